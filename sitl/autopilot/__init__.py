@@ -1,0 +1,1 @@
+"""The autopilot: parameters, modes and failsafes, control cascade, mixer."""

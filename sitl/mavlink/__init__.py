@@ -1,0 +1,1 @@
+"""The MAVLink side of the vehicle: links, streams and protocol servers."""

@@ -1,0 +1,67 @@
+"""The records that travel between the rooms of the simulator.
+
+Frames: NED is the local frame (origin: the spawn point on the ground), FRD the body frame.
+Quaternions are (w, x, y, z), Hamilton; `q_ned_frd` rotates an FRD vector into NED.
+SI units and radians throughout; times are integer microseconds of vehicle time since boot.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector3 = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+MotorThrusts = tuple[float, float, float, float]  # fraction of each rotor's maximum thrust, 0..1
+
+
+class VehicleState(NamedTuple):
+    """The true rigid-body state at `time_us` (a NamedTuple, because one is made every tick)."""
+
+    time_us: int
+    position_ned: Vector3  # m
+    velocity_ned: Vector3  # m/s
+    q_ned_frd: Quaternion
+    rates_frd: Vector3  # rad/s
+    specific_force_frd: Vector3  # m/s2, what an ideal accelerometer reads
+
+
+class Estimate(NamedTuple):
+    """What the autopilot believes; never the truth itself."""
+
+    time_us: int
+    position_ned: Vector3  # m
+    velocity_ned: Vector3  # m/s
+    q_ned_frd: Quaternion
+    rates_frd: Vector3  # rad/s
+    specific_force_frd: Vector3  # m/s2
+    attitude_valid: bool
+    position_valid: bool  # horizontal position and velocity
+    altitude_valid: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gate:
+    """One gate of a course: a square opening that is passed along its axis."""
+
+    index: int
+    centre_ned: Vector3  # m
+    yaw_rad: float  # heading of the axis along which the gate is to be passed, NED
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Frame:
+    """One camera image."""
+
+    time_us: int
+    sequence: int
+    rgb: NDArray[np.uint8]  # (H, W, 3)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StatusText:
+    """A line for the pilot: severity as MAV_SEVERITY (2 critical, 3 error, 4 warning, 6 info)."""
+
+    severity: int
+    text: str

@@ -1,0 +1,1 @@
+"""What the vehicle senses: the camera and the state estimate."""

@@ -1,0 +1,1 @@
+"""The physical world: vehicle body, gates and scenery, course and referee."""
