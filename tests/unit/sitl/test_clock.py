@@ -1,3 +1,5 @@
+import itertools
+
 import pytest
 
 from sitl.clock import SECOND_US, TICK_US, Schedule
@@ -10,7 +12,7 @@ def due_times(schedule: Schedule, until_us: int) -> list[int]:
 def test_20_hz_comes_every_12_or_13_ticks_and_averages_exactly_20_hz() -> None:
     times = due_times(Schedule(20), 10 * SECOND_US)
     assert len(times) == 200
-    gaps = {b - a for a, b in zip(times, times[1:], strict=False)}
+    gaps = {b - a for a, b in itertools.pairwise(times)}
     assert gaps == {48_000, 52_000}
     assert times[:4] == [0, 52_000, 100_000, 152_000]
 
