@@ -1,0 +1,87 @@
+"""What the world looks like on one day: light, sky, ground and gate colours, drawn by a seed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+GROUND_TEXTURES = 24  # distinct seeded textures to draw from
+TEXTURE_SIZE = 256  # texels a side; textures tile
+
+Colour = tuple[float, float, float]  # linear RGB, 0..1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Look:
+    """Everything that decides how a scene is drawn, apart from where things are."""
+
+    gate_colour: Colour
+    ambient: float
+    diffuse: float
+    specular: float
+    light_nwu: tuple[float, float, float]  # towards the light
+    sky_zenith: Colour
+    sky_horizon: Colour
+    cloudiness: float  # 0..1, strength of the clouds' texture
+    ground_light: Colour
+    ground_dark: Colour
+    ground_texture: int  # which of the seeded textures
+    ground_scale_m: float  # side of one tile
+    ground_turn_rad: float
+    haze_m: float  # distance at which contrast has fallen to 1/e
+
+
+def draw_look(rng: np.random.Generator) -> Look:
+    """Draw one look: daylight of any colour, any kind of ground, gates from red to yellow."""
+    brightness = rng.uniform(0.65, 1.1)
+    sun_azimuth = rng.uniform(-np.pi, np.pi)
+    sun_elevation = rng.uniform(0.35, 1.4)
+    light = (
+        float(np.cos(sun_azimuth) * np.cos(sun_elevation)),
+        float(np.sin(sun_azimuth) * np.cos(sun_elevation)),
+        float(np.sin(sun_elevation)),
+    )
+    zenith = np.array([0.30, 0.50, 0.80]) + rng.uniform(-0.15, 0.15, 3)
+    horizon = np.array([0.78, 0.84, 0.90]) + rng.uniform(-0.15, 0.10, 3)
+    overcast = rng.uniform(0.0, 1.0)
+    zenith = (1.0 - 0.7 * overcast) * zenith + 0.7 * overcast * horizon.mean()
+    ground = rng.uniform([0.25, 0.25, 0.18], [0.60, 0.58, 0.50]) * brightness
+    contrast = rng.uniform(0.25, 0.8)
+    gate = np.array([rng.uniform(0.75, 1.0), rng.uniform(0.15, 0.55), rng.uniform(0.0, 0.2)])
+    return Look(
+        gate_colour=_colour(gate),
+        ambient=float(rng.uniform(0.45, 0.7) * brightness),
+        diffuse=float(rng.uniform(0.25, 0.55) * brightness),
+        specular=float(rng.uniform(0.0, 0.1)),
+        light_nwu=light,
+        sky_zenith=_colour(zenith * brightness),
+        sky_horizon=_colour(horizon * brightness),
+        cloudiness=float(rng.uniform(0.0, 0.35)),
+        ground_light=_colour(ground * (1.0 + contrast / 2)),
+        ground_dark=_colour(ground * (1.0 - contrast / 2)),
+        ground_texture=int(rng.integers(GROUND_TEXTURES)),
+        ground_scale_m=float(rng.uniform(6.0, 24.0)),
+        ground_turn_rad=float(rng.uniform(0.0, 2.0 * np.pi)),
+        haze_m=float(rng.uniform(30.0, 150.0)),
+    )
+
+
+def make_texture(index: int) -> NDArray[np.float32]:
+    """Make tileable fractal noise with shape (TEXTURE_SIZE, TEXTURE_SIZE), values in 0..1.
+
+    White noise, filtered in the frequency domain to fall as 1 / f^1.3: the look of soil and grass.
+    """
+    rng = np.random.default_rng([0x7E97, index])
+    spectrum = np.fft.rfft2(rng.standard_normal((TEXTURE_SIZE, TEXTURE_SIZE)))
+    vertical = np.fft.fftfreq(TEXTURE_SIZE)[:, None]
+    horizontal = np.fft.rfftfreq(TEXTURE_SIZE)[None, :]
+    frequency = np.hypot(vertical, horizontal)
+    frequency[0, 0] = np.inf
+    noise = np.fft.irfft2(spectrum / frequency**1.3, s=(TEXTURE_SIZE, TEXTURE_SIZE))
+    low, high = np.quantile(noise, [0.01, 0.99])
+    return np.clip((noise - low) / (high - low), 0.0, 1.0).astype(np.float32)
+
+
+def _colour(values: NDArray[np.float64]) -> Colour:
+    red, green, blue = np.clip(values, 0.0, 1.0)
+    return (float(red), float(green), float(blue))
