@@ -6,6 +6,7 @@ SI units and radians throughout; times are integer microseconds of vehicle time 
 """
 
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -65,3 +66,38 @@ class StatusText:
 
     severity: int
     text: str
+
+
+class CourseState(StrEnum):
+    """Where the course stands."""
+
+    ACTIVE = "active"
+    FINISHED = "finished"
+    FAILED = "failed"
+
+
+class CourseEventKind(StrEnum):
+    """What the referee saw."""
+
+    PASSED = "passed"
+    MISSED = "missed"
+    COLLISION = "collision"
+    FINISHED = "finished"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CourseEvent:
+    """One thing that the referee saw; `gate` counts from 0 over all laps."""
+
+    kind: CourseEventKind
+    gate: int
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CourseStatus:
+    """The score so far."""
+
+    gates_passed: int
+    gates_total: int
+    state: CourseState

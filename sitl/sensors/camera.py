@@ -65,7 +65,9 @@ class Camera:
 
     def render(self, position_ned: Vector3, q_ned_frd: Quaternion) -> NDArray[np.uint8]:
         """Take an image of shape (SIZE_PX, SIZE_PX, 3), RGB."""
-        axes = [rotate(q_ned_frd, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
+        axes = [
+            rotate(q_ned_frd, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+        ]
         rotation = np.array(axes, dtype=np.float32).T
         colours = self._background.draw(rotation, np.float32(position_ned), self.look)
         gates, coverage = self._draw_gates(position_ned, axes[0], axes[2])

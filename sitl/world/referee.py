@@ -9,48 +9,13 @@ misses it; touching a gate is a collision. A miss or a collision fails the cours
 """
 
 import math
-from dataclasses import dataclass
-from enum import StrEnum
 
 from sitl.gate import INNER_M
-from sitl.records import Gate, Vector3
+from sitl.records import CourseEvent, CourseEventKind, CourseState, CourseStatus, Gate, Vector3
 
-NEARBY_M = 4.0  # a crossing of the gate's plane farther from its centre is another part of the circle
-
-
-class CourseState(StrEnum):
-    """Where the course stands."""
-
-    ACTIVE = "active"
-    FINISHED = "finished"
-    FAILED = "failed"
-
-
-class CourseEventKind(StrEnum):
-    """What the referee saw."""
-
-    PASSED = "passed"
-    MISSED = "missed"
-    COLLISION = "collision"
-    FINISHED = "finished"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CourseEvent:
-    """One thing that the referee saw; `gate` counts from 0 over all laps."""
-
-    kind: CourseEventKind
-    gate: int
-    text: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CourseStatus:
-    """The score so far."""
-
-    gates_passed: int
-    gates_total: int
-    state: CourseState
+NEARBY_M = (
+    4.0  # a crossing of the gate's plane farther from its centre is another part of the circle
+)
 
 
 class Referee:
@@ -65,9 +30,7 @@ class Referee:
     @property
     def status(self) -> CourseStatus:
         """The score so far."""
-        return CourseStatus(
-            gates_passed=self._passed, gates_total=self._total, state=self._state
-        )
+        return CourseStatus(gates_passed=self._passed, gates_total=self._total, state=self._state)
 
     def update(self, previous: Vector3, current: Vector3, *, contact: bool) -> list[CourseEvent]:
         """Judge one tick's movement from `previous` to `current` (m, NED)."""
@@ -107,9 +70,7 @@ class Referee:
         return CourseEvent(kind=kind, gate=self._passed, text=text)
 
 
-def _crossing(
-    gate: Gate, previous: Vector3, current: Vector3
-) -> tuple[float, float, bool] | None:
+def _crossing(gate: Gate, previous: Vector3, current: Vector3) -> tuple[float, float, bool] | None:
     """Where the movement crosses the gate's plane near it: (right, down) m and whether forwards."""
     axis_n, axis_e = math.cos(gate.yaw_rad), math.sin(gate.yaw_rad)
     before = _along(gate, previous, axis_n, axis_e)
