@@ -1,0 +1,198 @@
+"""The quadrotor as a rigid body in pybullet: rotors with lag, thrust, drag, contact.
+
+Rotor model (Gazebo's multicopter motor model): a thrust fraction u asks for the speed
+omega_max sqrt(u), so thrust is linear in the command: that is THR_MDL_FAC 0 on linear actuators, as
+in PX4's SIH (or THR_MDL_FAC 1 on motors whose speed follows the signal). The speed follows with
+a first-order lag, quicker up than down. Each rotor gives thrust k_T omega^2, the reaction moment
+k_M thrust, and an in-plane drag proportional to omega and to the air speed of its hub.
+"""
+
+import math
+
+import pybullet
+
+from sitl.frames import (
+    GRAVITY_M_S2,
+    flip,
+    from_bullet_quaternion,
+    quaternion_from_euler,
+    rotate_inverse,
+    to_bullet_quaternion,
+)
+from sitl.records import MotorThrusts, Quaternion, Vector3, VehicleState
+from sitl.world.airframe import Airframe
+
+ORIGIN = (0.0, 0.0, 0.0)
+FRICTION = 0.8  # assumption: rubber feet on a hard floor
+VISUAL_RGBA = (0.15, 0.15, 0.17, 1.0)
+
+
+class QuadrotorBody:
+    """One vehicle in a pybullet client whose world frame is NWU.
+
+    The owner sets gravity and time step, and each tick calls `apply`, then `stepSimulation`, then
+    `state`. Positions are those of the centre of mass.
+    """
+
+    def __init__(
+        self,
+        client: int,
+        airframe: Airframe,
+        *,
+        position_ned: Vector3,
+        yaw_rad: float = 0.0,
+        visual: bool = False,
+    ) -> None:
+        self.wind_ned: Vector3 = ORIGIN  # m/s, the air's velocity
+        self._client = client
+        self._airframe = airframe
+        self._max_speed = airframe.rotor_max_speed_rad_s
+        self._rotors = _rotor_constants(airframe)
+        self._lag_dt_s = self._lag_up = self._lag_down = 0.0
+        self._stale = True
+        self.body_id = self._create(visual=visual)
+        self.reset(
+            position_ned=position_ned,
+            velocity_ned=ORIGIN,
+            q_ned_frd=quaternion_from_euler(0.0, 0.0, yaw_rad),
+        )
+
+    def reset(
+        self,
+        *,
+        position_ned: Vector3,
+        velocity_ned: Vector3,
+        q_ned_frd: Quaternion,
+        thrust: float = 0.0,
+    ) -> None:
+        """Put the body anywhere, not turning, with rotors at the speed of a thrust fraction."""
+        pybullet.resetBasePositionAndOrientation(
+            self.body_id,
+            flip(position_ned),
+            to_bullet_quaternion(q_ned_frd),
+            physicsClientId=self._client,
+        )
+        pybullet.resetBaseVelocity(
+            self.body_id, flip(velocity_ned), ORIGIN, physicsClientId=self._client
+        )
+        self._omega = [self._max_speed * math.sqrt(thrust)] * 4
+        self._read()
+        self._previous_velocity_ned = self._velocity_ned
+        self._step_s = 0.0
+
+    def apply(self, motors: MotorThrusts, dt_s: float) -> None:
+        """Advance the rotors by `dt_s` and put their forces and the drag on the body."""
+        if self._stale:
+            self._read()
+        force_frd, torque_frd = self._forces(self._spin(motors, dt_s))
+        body, client, link = self.body_id, self._client, pybullet.LINK_FRAME
+        pybullet.applyExternalForce(body, -1, flip(force_frd), ORIGIN, link, physicsClientId=client)
+        pybullet.applyExternalTorque(body, -1, flip(torque_frd), link, physicsClientId=client)
+        self._previous_velocity_ned = self._velocity_ned
+        self._step_s = dt_s
+        self._stale = True
+
+    def state(self, time_us: int) -> VehicleState:
+        """Read the true state; its specific force is the mean over the last step, contact included."""
+        if self._stale:
+            self._read()
+        velocity, previous, step_s = self._velocity_ned, self._previous_velocity_ned, self._step_s
+        rate = 1.0 / step_s if step_s else 0.0
+        specific_force_ned = (
+            (velocity[0] - previous[0]) * rate,
+            (velocity[1] - previous[1]) * rate,
+            (velocity[2] - previous[2]) * rate - GRAVITY_M_S2,
+        )
+        return VehicleState(
+            time_us,
+            self._position_ned,
+            velocity,
+            self._q_ned_frd,
+            self._rates_frd,
+            rotate_inverse(self._q_ned_frd, specific_force_ned),
+        )
+
+    @property
+    def rotor_speeds_rad_s(self) -> tuple[float, float, float, float]:
+        """Rotor speeds, in the airframe's rotor order."""
+        a, b, c, d = self._omega
+        return (a, b, c, d)
+
+    def _read(self) -> None:
+        position, orientation = pybullet.getBasePositionAndOrientation(
+            self.body_id, physicsClientId=self._client
+        )
+        velocity, rates = pybullet.getBaseVelocity(self.body_id, physicsClientId=self._client)
+        self._position_ned = flip(position)
+        self._velocity_ned = flip(velocity)
+        self._q_ned_frd = from_bullet_quaternion(orientation)
+        self._rates_frd = rotate_inverse(self._q_ned_frd, flip(rates))
+        self._stale = False
+
+    def _spin(self, motors: MotorThrusts, dt_s: float) -> list[float]:
+        if dt_s != self._lag_dt_s:
+            self._lag_dt_s = dt_s
+            self._lag_up = 1.0 - math.exp(-dt_s / self._airframe.rotor_time_constant_up_s)
+            self._lag_down = 1.0 - math.exp(-dt_s / self._airframe.rotor_time_constant_down_s)
+        omega = self._omega
+        for index, thrust in enumerate(motors):
+            error = self._max_speed * math.sqrt(min(max(thrust, 0.0), 1.0)) - omega[index]
+            omega[index] += error * (self._lag_up if error > 0.0 else self._lag_down)
+        return omega
+
+    def _forces(self, omega: list[float]) -> tuple[Vector3, Vector3]:
+        """Sum thrust, reaction moment and drag over the rotors, about the centre of mass, FRD."""
+        wind = self.wind_ned
+        vx, vy, vz = self._velocity_ned
+        air = rotate_inverse(self._q_ned_frd, (vx - wind[0], vy - wind[1], vz - wind[2]))
+        yaw_rate = self._rates_frd[2]
+        drag, k_thrust = self._airframe.rotor_drag_n_s2_m, self._airframe.thrust_coefficient_n_s2
+        frame_drag = self._airframe.linear_drag_n_s_m
+        fx, fy, fz = -frame_drag[0] * air[0], -frame_drag[1] * air[1], -frame_drag[2] * air[2]
+        roll = pitch = yaw = 0.0
+        for (x, y, moment), speed in zip(self._rotors, omega, strict=True):
+            thrust = k_thrust * speed * speed
+            rotor_drag = drag * speed
+            dx = -rotor_drag * (air[0] - yaw_rate * y)
+            dy = -rotor_drag * (air[1] + yaw_rate * x)
+            fx += dx
+            fy += dy
+            fz -= thrust
+            roll -= y * thrust
+            pitch += x * thrust
+            yaw += moment * thrust + x * dy - y * dx
+        return (fx, fy, fz), (roll, pitch, yaw)
+
+    def _create(self, *, visual: bool) -> int:
+        half = [length / 2 for length in self._airframe.collision_box_m]
+        client = self._client
+        box = pybullet.createCollisionShape(
+            pybullet.GEOM_BOX, halfExtents=half, physicsClientId=client
+        )
+        look = -1
+        if visual:
+            look = pybullet.createVisualShape(
+                pybullet.GEOM_BOX, halfExtents=half, rgbaColor=VISUAL_RGBA, physicsClientId=client
+            )
+        body = pybullet.createMultiBody(self._airframe.mass_kg, box, look, physicsClientId=client)
+        pybullet.changeDynamics(
+            body,
+            -1,
+            localInertiaDiagonal=self._airframe.inertia_kg_m2,
+            linearDamping=0.0,  # drag is ours
+            angularDamping=0.0,
+            lateralFriction=FRICTION,
+            restitution=0.0,
+            physicsClientId=client,
+        )
+        return int(body)
+
+
+def _rotor_constants(airframe: Airframe) -> tuple[Vector3, ...]:
+    """Give each rotor's x, y (m) and the signed reaction moment per thrust (m), FRD."""
+    return tuple(
+        (x, y, direction * airframe.moment_coefficient_m)
+        for (x, y), direction in zip(
+            airframe.rotor_positions_frd_m, airframe.rotor_directions, strict=True
+        )
+    )
