@@ -6,7 +6,7 @@ millisecond.
 """
 
 import math
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +58,6 @@ class Background:
         return np.clip(colours, 0.0, 1.0) * np.float32(255.0)
 
 
-@lru_cache(maxsize=None)
+@cache
 def _texture(index: int) -> NDArray[np.float32]:
     return make_texture(index)

@@ -5,7 +5,7 @@ of the gate that is due inside its opening passes it; crossing near but outside 
 misses it; touching a gate is a collision. A miss or a collision fails the course for good.
 
     active --last gate passed--> finished
-       \\--miss, collision-----> failed
+       `--miss, collision-----> failed
 """
 
 import math
