@@ -1,0 +1,1 @@
+"""Perception: image bytes to samples of the latent posterior."""

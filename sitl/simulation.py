@@ -1,0 +1,126 @@
+"""One vehicle, one course, one clock: a tick at a time, in process, without sockets.
+
+A tick: the autopilot looks at the last estimate and drives the motors, the world moves by 4 ms,
+the referee judges the movement, the estimator senses it. Images are taken only when asked for.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sitl.autopilot.autopilot import Autopilot
+from sitl.autopilot.parameters import Parameters
+from sitl.clock import TICK_US, Schedule
+from sitl.frames import quaternion_from_euler
+from sitl.records import CourseEvent, CourseStatus, Estimate, Frame, Vector3, VehicleState
+from sitl.sensors.camera import Camera
+from sitl.sensors.estimator import Estimator
+from sitl.sensors.look import draw_look
+from sitl.world.airframe import load_airframe
+from sitl.world.referee import Referee
+from sitl.world.track import Direction, make_track
+from sitl.world.world import World
+
+CAMERA_RATE_HZ = 20
+HOME = (47.397742, 8.545594, 489.4)  # deg, deg, m AMSL; PX4's default
+LOOK_STREAM = 0x100C  # separates the draw of the look from other uses of the vehicle's seed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimulationConfig:
+    """All that a flight depends on, apart from what is sent to the vehicle."""
+
+    seed: int = 0  # of the vehicle and the day: look, later sensor noise
+    track_seed: int = 0
+    noise_m: tuple[float, float] = (1.0, 2.0)  # GRN, GHN: gate radius and height
+    direction: Direction = "cw"
+    laps: int = 1
+    home: Vector3 = HOME
+    airframe: str = "x500"
+    gui: bool = False
+
+
+class Simulation:
+    """The vehicle in its world; its autopilot and course are public, for whoever talks to them."""
+
+    def __init__(self, config: SimulationConfig) -> None:
+        """Build the world at time 0, the vehicle on the ground at the spawn point.
+
+        Raises:
+            UsageError: the track's noise or the airframe cannot be.
+
+        """
+        radius_noise_m, height_noise_m = config.noise_m
+        self.config = config
+        self.track = make_track(
+            config.track_seed,
+            radius_noise_m=radius_noise_m,
+            height_noise_m=height_noise_m,
+            direction=config.direction,
+        )
+        airframe = load_airframe(config.airframe)
+        self.parameters = Parameters(airframe.parameters)
+        self.autopilot = Autopilot(self.parameters, home=config.home)
+        self._world = World(self.track.gates, airframe, tick_s=TICK_US / 1e6, gui=config.gui)
+        self._referee = Referee(self.track.gates, config.laps)
+        self._estimator = Estimator()
+        look = draw_look(np.random.default_rng([config.seed, LOOK_STREAM]))
+        self._camera = Camera(self.track.gates, look)
+        self._frames = Schedule(CAMERA_RATE_HZ)
+        self._sequence = 0
+        self._events: list[CourseEvent] = []
+        self._hover_thrust = airframe.hover_thrust
+        self.time_us = 0
+        self.state: VehicleState = self._world.body.state(0)
+        self.estimate: Estimate = self._estimator.update(self.state)
+
+    def close(self) -> None:
+        """Free the physics engine and the renderer."""
+        self._camera.close()
+        self._world.close()
+
+    def step(self) -> None:
+        """Advance by one tick."""
+        motors = self.autopilot.step(self.estimate)
+        previous = self.state
+        self.time_us += TICK_US
+        self.state = self._world.step(motors, self.time_us)
+        self._events += self._referee.update(
+            previous.position_ned, self.state.position_ned, contact=self._world.touches_gate()
+        )
+        self.estimate = self._estimator.update(self.state)
+
+    @property
+    def course(self) -> CourseStatus:
+        """The score so far."""
+        return self._referee.status
+
+    def drain_course_events(self) -> list[CourseEvent]:
+        """Hand over what the referee saw since the last call."""
+        events, self._events = self._events, []
+        return events
+
+    def frame_due(self) -> bool:
+        """Whether the camera takes an image at this tick; true once for each."""
+        return self._frames.due(self.time_us)
+
+    def render(self) -> Frame:
+        """Take an image now."""
+        rgb = self._camera.render(self.state.position_ned, self.state.q_ned_frd)
+        frame = Frame(time_us=self.time_us, sequence=self._sequence, rgb=rgb)
+        self._sequence += 1
+        return frame
+
+    def start_airborne(self, position_ned: Vector3, yaw_rad: float, speed_m_s: float = 0.0) -> None:
+        """Put the vehicle into the air: armed, in OFFBOARD, flying straight ahead."""
+        velocity = (speed_m_s * math.cos(yaw_rad), speed_m_s * math.sin(yaw_rad), 0.0)
+        self._world.body.reset(
+            position_ned=position_ned,
+            velocity_ned=velocity,
+            q_ned_frd=quaternion_from_euler(0.0, 0.0, yaw_rad),
+            thrust=self._hover_thrust,
+        )
+        self.state = self._world.body.state(self.time_us)
+        self.estimate = self._estimator.update(self.state)
+        self.autopilot.start_airborne(self.estimate)
