@@ -38,6 +38,11 @@ class Airframe:
         return self.thrust_coefficient_n_s2 * self.rotor_max_speed_rad_s**2
 
     @property
+    def rotor_yaw_moments_m(self) -> tuple[float, ...]:
+        """Yaw moment (FRD, positive to the right) that each rotor gives per thrust."""
+        return tuple(d * self.moment_coefficient_m for d in self.rotor_directions)
+
+    @property
     def hover_thrust(self) -> float:
         """Fraction of the maximum thrust that carries the weight."""
         return self.mass_kg * GRAVITY_M_S2 / (ROTORS * self.max_thrust_n)

@@ -93,7 +93,7 @@ class QuadrotorBody:
         self._stale = True
 
     def state(self, time_us: int) -> VehicleState:
-        """Read the true state; its specific force is the mean over the last step, contact included."""
+        """Read the true state; the specific force is the mean over the last step, with contact."""
         if self._stale:
             self._read()
         velocity, previous, step_s = self._velocity_ned, self._previous_velocity_ned, self._step_s

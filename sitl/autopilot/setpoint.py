@@ -1,0 +1,20 @@
+"""What the modes ask of the position controller."""
+
+import math
+from typing import NamedTuple
+
+from sitl.records import Vector3
+from sitl.vehicle_records import NAN_VECTOR
+
+
+class Setpoint(NamedTuple):
+    """A trajectory setpoint in local NED; NaN where a number is not given."""
+
+    position_ned: Vector3 = NAN_VECTOR  # m
+    velocity_ned: Vector3 = NAN_VECTOR  # m/s
+    acceleration_ned: Vector3 = NAN_VECTOR  # m/s2, feed-forward
+    yaw_rad: float = math.nan
+    yaw_rate_rad_s: float = math.nan  # feed-forward
+
+
+IDLE = Setpoint(acceleration_ned=(0.0, 0.0, 100.0))  # rotors idle: as PX4 shows it on the ground
