@@ -36,6 +36,7 @@ class SimulationConfig:
     noise_m: tuple[float, float] = (1.0, 2.0)  # GRN, GHN: gate radius and height
     direction: Direction = "cw"
     laps: int = 1
+    first_gate: int = 0  # the gate that is due first
     home: Vector3 = HOME
     airframe: str = "x500"
     gui: bool = False
@@ -63,7 +64,9 @@ class Simulation:
         self.parameters = Parameters(airframe.parameters)
         self.autopilot = Autopilot(self.parameters, home=config.home)
         self._world = World(self.track.gates, airframe, tick_s=TICK_US / 1e6, gui=config.gui)
-        self._referee = Referee(self.track.gates, config.laps)
+        first = config.first_gate
+        self.course_gates = self.track.gates[first:] + self.track.gates[:first]
+        self._referee = Referee(self.course_gates, config.laps)
         self._estimator = Estimator()
         look = draw_look(np.random.default_rng([config.seed, LOOK_STREAM]))
         self._camera = Camera(self.track.gates, look)

@@ -1,0 +1,162 @@
+"""Control data: what the camera sees while the expert flies, and what the expert commands.
+
+Recovery states come from execution noise: the vehicle flies the expert's command plus a slow
+random disturbance, while the label stays the clean command for where it has been carried.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flightstack.frames import ned_from_body
+from flightstack.training.expert import ExpertConfig, expert_command
+from flightstack.training.seeds import TRAINING_TRACKS
+from sitl.frames import yaw_of
+from sitl.records import CourseState, Gate, Vector3
+from sitl.simulation import CAMERA_RATE_HZ, Simulation, SimulationConfig
+from sitl.vehicle_records import OffboardSetpoint
+from sitl.world.track import GATE_HEIGHT_M, GATES_PER_LAP
+
+LABEL_NAMES = ("vx", "vy", "vz", "yaw_rate")
+Pilot = Callable[[NDArray[np.uint8]], NDArray[np.float64]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightRecipe:
+    """Which courses are flown, from where, and how much the vehicle is disturbed."""
+
+    most_radius_noise_m: float = 1.5
+    most_height_noise_m: float = 3.0
+    frames: int = 160  # of one flight, 8 s
+    start_at_spawn_share: float = 0.35  # the rest starts before a random gate
+    start_ahead_m: tuple[float, float] = (1.5, 6.0)
+    start_spread_m: float = 0.5  # standard deviation across the axis, far from the gate
+    start_yaw_std_rad: float = 0.25
+    calm_share: float = 0.25  # of the flights, flown without execution noise
+    noise_std: tuple[float, float, float, float] = (0.4, 0.5, 0.35, 0.3)  # m/s, rad/s
+    noise_time_constant_s: float = 0.8
+    lost_frames: int = 8  # dropped before a collision or a miss: nobody could have helped
+    expert: ExpertConfig = ExpertConfig()  # noqa: RUF009 - frozen, so shared safely
+
+
+def fly(
+    rng: np.random.Generator,
+    recipe: FlightRecipe,
+    *,
+    tracks: range = TRAINING_TRACKS,
+    pilot: Pilot | None = None,
+) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    """Fly once; images (K, 64, 64, 3) and the expert's commands (K, 4) along the way.
+
+    With a `pilot` the vehicle follows it instead, and the expert only labels (DAgger).
+    """
+    at_spawn = bool(rng.random() < recipe.start_at_spawn_share)
+    simulation = Simulation(
+        SimulationConfig(
+            seed=int(rng.integers(2**31)),
+            track_seed=int(rng.integers(tracks.start, tracks.stop)),
+            noise_m=(
+                float(rng.uniform(0.0, recipe.most_radius_noise_m)),
+                float(rng.uniform(0.0, recipe.most_height_noise_m)),
+            ),
+            laps=2,
+            first_gate=0 if at_spawn else int(rng.integers(GATES_PER_LAP)),
+        )
+    )
+    try:
+        _take_off(simulation, rng, recipe, at_spawn=at_spawn)
+        return _record(simulation, rng, recipe, pilot)
+    finally:
+        simulation.close()
+
+
+def _record(
+    simulation: Simulation,
+    rng: np.random.Generator,
+    recipe: FlightRecipe,
+    pilot: Pilot | None,
+) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    gates = simulation.course_gates
+    noise = _Disturbance(rng, recipe)
+    images, labels = [], []
+    simulation.frame_due()
+    while len(images) < recipe.frames and simulation.course.state is CourseState.ACTIVE:
+        image = simulation.render().rgb
+        due = simulation.course.gates_passed
+        position, yaw = simulation.state.position_ned, yaw_of(simulation.state.q_ned_frd)
+        gate, following = gates[due % len(gates)], gates[(due + 1) % len(gates)]
+        label = expert_command(position, yaw, gate, following, recipe.expert)
+        images.append(image)
+        labels.append(label)
+        _command(simulation, label + noise.draw() if pilot is None else pilot(image), yaw)
+        while True:
+            simulation.step()
+            if simulation.frame_due():
+                break
+    if simulation.course.state is CourseState.FAILED:
+        images, labels = images[: -recipe.lost_frames], labels[: -recipe.lost_frames]
+    shape = (len(images), 64, 64, 3)
+    return np.array(images, dtype=np.uint8).reshape(shape), np.array(
+        labels, dtype=np.float32
+    ).reshape(-1, len(LABEL_NAMES))
+
+
+def _take_off(
+    simulation: Simulation, rng: np.random.Generator, recipe: FlightRecipe, *, at_spawn: bool
+) -> None:
+    """Start in the air: above the spawn point, or before the gate that is due."""
+    if at_spawn:
+        spread = rng.normal(0.0, 0.2, 3)
+        position = (float(spread[0]), float(spread[1]), float(spread[2]) - GATE_HEIGHT_M)
+        simulation.start_airborne(position, float(rng.normal(0.0, 0.1)))
+        return
+    position, bearing = _before(simulation.course_gates[0], rng, recipe)
+    yaw = bearing + float(rng.normal(0.0, recipe.start_yaw_std_rad))
+    simulation.start_airborne(position, yaw, float(rng.uniform(0.0, recipe.expert.speed_m_s)))
+
+
+def _before(gate: Gate, rng: np.random.Generator, recipe: FlightRecipe) -> tuple[Vector3, float]:
+    """A place before a gate, more scattered the farther away, and the bearing to the gate."""
+    ahead = float(rng.uniform(*recipe.start_ahead_m))
+    right, down = rng.normal(0.0, recipe.start_spread_m * ahead / recipe.start_ahead_m[1], 2)
+    # the course comes from the outside of the axis' tangent: half a gate's turn
+    bend = math.radians(22.5) * ahead / recipe.start_ahead_m[1]
+    axis_n, axis_e = math.cos(gate.yaw_rad - bend), math.sin(gate.yaw_rad - bend)
+    centre = gate.centre_ned
+    position = (
+        centre[0] - ahead * axis_n - float(right) * axis_e,
+        centre[1] - ahead * axis_e + float(right) * axis_n,
+        min(centre[2] + float(down), -0.5),
+    )
+    return position, math.atan2(centre[1] - position[1], centre[0] - position[0])
+
+
+class _Disturbance:
+    """An Ornstein-Uhlenbeck process over the four velocities, one step a frame."""
+
+    def __init__(self, rng: np.random.Generator, recipe: FlightRecipe) -> None:
+        self._rng = rng
+        calm = rng.random() < recipe.calm_share
+        self._std = np.zeros(4) if calm else np.array(recipe.noise_std)
+        self._decay = math.exp(-1.0 / (CAMERA_RATE_HZ * recipe.noise_time_constant_s))
+        self._value = self._std * rng.standard_normal(4)
+
+    def draw(self) -> NDArray[np.float64]:
+        """Advance by one frame."""
+        kick = self._std * math.sqrt(1.0 - self._decay**2)
+        self._value = self._decay * self._value + kick * self._rng.standard_normal(4)
+        return self._value
+
+
+def _command(simulation: Simulation, command: NDArray[np.float64], yaw_rad: float) -> None:
+    vx, vy, vz, yaw_rate = (float(value) for value in command)
+    simulation.autopilot.offboard_setpoint(
+        OffboardSetpoint(
+            time_us=simulation.time_us,
+            velocity_ned=ned_from_body((vx, vy, vz), yaw_rad),
+            yaw_rate_rad_s=yaw_rate,
+        )
+    )

@@ -1,0 +1,76 @@
+import numpy as np
+import pytest
+
+from flightstack.errors import UsageError
+from flightstack.training import data, dataset
+
+
+@pytest.fixture
+def folder(tmp_path):
+    folder = tmp_path / "views"
+    data.generate_perception(folder, images=40, seed=3, jobs=1, report=lambda _: None)
+    return folder
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_does_not(folder, tmp_path):
+    again = data.generate_perception(
+        tmp_path / "again", images=40, seed=3, jobs=1, report=lambda _: None
+    )
+    other = data.generate_perception(
+        tmp_path / "other", images=40, seed=4, jobs=1, report=lambda _: None
+    )
+    first = dataset.read_dataset(folder)
+    assert first.sha256 == dataset.read_dataset(again).sha256
+    assert first.sha256 != dataset.read_dataset(other).sha256
+
+
+def test_splits_share_nothing_and_cover_all(folder):
+    opened = dataset.read_dataset(folder)
+    train, validation = opened.splits["train"], opened.splits["validation"]
+    assert len(train) == 32
+    assert len(validation) == 8
+    assert sorted([*train, *validation]) == list(range(40))
+    assert not np.array_equal(opened.images[train[:8]], opened.images[validation])
+
+
+def test_an_unfinished_shard_is_made_again_and_a_finished_one_kept(folder):
+    before = dataset.read_dataset(folder).sha256
+    kept = (folder / "train-00000.json").stat().st_mtime_ns
+    (folder / "validation-00000.json").unlink()
+    data.generate_perception(folder, images=40, seed=3, jobs=1, report=lambda _: None)
+    assert dataset.read_dataset(folder).sha256 == before
+    assert (folder / "train-00000.json").stat().st_mtime_ns == kept
+
+
+def test_a_shard_cut_short_is_named(folder):
+    path = folder / "train-00000-images.npy"
+    path.write_bytes(path.read_bytes()[:-1000])
+    with pytest.raises(UsageError, match="train-00000-images"):
+        dataset.read_dataset(folder)
+
+
+def test_labels_that_are_not_finite_are_refused(folder):
+    path = folder / "train-00000-labels.npy"
+    labels = np.load(path)
+    labels[3, 1] = np.nan
+    np.save(path, labels)
+    with pytest.raises(UsageError, match="not finite"):
+        dataset.read_dataset(folder)
+
+
+def test_a_folder_without_data_says_how_to_make_some(tmp_path):
+    with pytest.raises(UsageError, match="training data"):
+        dataset.read_dataset(tmp_path)
+
+
+def test_images_are_gathered_across_shards(tmp_path):
+    images = np.arange(5 * 64 * 64 * 3, dtype=np.uint32).astype(np.uint8).reshape(5, 64, 64, 3)
+    labels = np.arange(10, dtype=np.float32).reshape(5, 2)
+    dataset.write_shard(tmp_path, "a", "train", images[:2], labels[:2])
+    dataset.write_shard(tmp_path, "b", "train", images[2:], labels[2:])
+    dataset.write_manifest(tmp_path, ["a", "b"], label_names=("p", "q"), about={})
+    opened = dataset.read_dataset(tmp_path)
+    order = np.array([4, 0, 2, 1])
+    assert np.array_equal(opened.images[order], images[order])
+    assert np.array_equal(opened.images[1:4], images[1:4])
+    assert np.array_equal(opened.labels, labels)
