@@ -25,7 +25,7 @@ from flightstack.perception.labels import LABELS
 class LossWeights:
     """The weights of the loss in the module's docstring."""
 
-    image: float = 1.0  # alpha
+    image: float = 5.0  # alpha: enough for the horizon and a second gate to reach the latents
     pose: float = 1.0  # gamma
     kl: float = 1e-3  # beta
     labels: tuple[float, ...] = (1.0, 1.0, 1.0, 2.0)  # w_k; gate yaw collapses to 0 when underfed
