@@ -1,0 +1,54 @@
+"""Hand the newest frame from the camera's thread to the loop: one slot, no queue."""
+
+import contextlib
+import socket
+import threading
+from dataclasses import dataclass
+
+from flightstack.records import Frame
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """A frame, and when (wall time, monotonic seconds) it was received."""
+
+    frame: Frame
+    received_s: float
+
+
+class Mailbox:
+    """Put in one thread, take in another; a frame that was not taken in time is replaced."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._slot: Arrival | None = None
+        self._bell_out, self._bell_in = socket.socketpair()
+        for end in (self._bell_out, self._bell_in):
+            end.settimeout(0.0)
+
+    def fileno(self) -> int:
+        """Return what a selector waits on: readable while there is a frame."""
+        return self._bell_in.fileno()
+
+    def put(self, arrival: Arrival) -> None:
+        """Leave a frame, in place of any that lies there."""
+        with self._lock:
+            rings = self._slot is None
+            self._slot = arrival
+            if rings:
+                with contextlib.suppress(OSError):  # closed while the camera was delivering
+                    self._bell_out.send(b"\0")
+
+    def take(self) -> Arrival | None:
+        """Take the frame, if there is one; never waits."""
+        with self._lock:
+            arrival, self._slot = self._slot, None
+            if arrival is not None:
+                self._bell_in.recv(1)
+            return arrival
+
+    def close(self) -> None:
+        """Close the bell; frames that are put from now on go nowhere."""
+        with self._lock:
+            self._bell_out.close()
+            self._bell_in.close()

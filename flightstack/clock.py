@@ -1,0 +1,47 @@
+"""Tell the vehicle's time, from the stamps that its own messages and frames carry.
+
+Vehicle time is integer microseconds since the vehicle's boot. It may run at any speed, and it may
+stand still: only stamps move it. Between two stamps `now_us` bridges the gap by the wall clock,
+for the one purpose that needs it: stamping the images of a camera that carries no stamps.
+"""
+
+import time
+from collections.abc import Callable
+
+REBOOT_US = 1_000_000  # a stamp further back than this is a new boot, not a message out of order
+
+
+class VehicleClock:
+    """The newest stamp seen; one thread observes, any thread may read."""
+
+    def __init__(self, wall_s: Callable[[], float] = time.monotonic) -> None:
+        self._wall_s = wall_s
+        self._first_us: int | None = None
+        self._anchor: tuple[int, float] | None = None  # the newest stamp, and when it was seen
+
+    def observe(self, stamp_us: int) -> None:
+        """Take a stamp; one that is slightly older than the newest changes nothing."""
+        if self._anchor is not None and 0 <= self._anchor[0] - stamp_us < REBOOT_US:
+            return
+        if self._first_us is None:
+            self._first_us = stamp_us
+        self._anchor = (stamp_us, self._wall_s())
+
+    @property
+    def stamp_us(self) -> int:
+        """The newest stamp; 0 before the first."""
+        return 0 if self._anchor is None else self._anchor[0]
+
+    @property
+    def elapsed_us(self) -> int:
+        """Vehicle time since the first stamp seen; never negative, even after a reboot."""
+        if self._first_us is None:
+            return 0
+        return max(0, self.stamp_us - self._first_us)
+
+    def now_us(self) -> int:
+        """Return the newest stamp plus the wall time since it was seen."""
+        anchor = self._anchor
+        if anchor is None:
+            return 0
+        return anchor[0] + round((self._wall_s() - anchor[1]) * 1e6)

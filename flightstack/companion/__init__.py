@@ -1,0 +1,1 @@
+"""The companion process: where camera, MAVLink, perception, policy and decision meet."""

@@ -1,0 +1,80 @@
+"""Cut bytes into MAVLink frames, without decoding them.
+
+A frame whose message is known must have a right checksum; one that is unknown to the dialect is
+taken by its header if another frame, or nothing, follows it. On any doubt the search goes on at
+the next byte, so that noise costs no more than the frames it hit.
+"""
+
+from pymavlink.dialects.v20 import common
+from pymavlink.generator.mavcrc import x25crc
+
+MAGIC_V1, MAGIC_V2 = 0xFE, 0xFD
+OVERHEAD_V1 = 8  # header 6, checksum 2
+OVERHEAD_V2 = 12  # header 10, checksum 2
+SIGNED_FLAG = 0x01  # incompatibility flag
+SIGNATURE_BYTES = 13
+CRC_EXTRA = {number: bytes([kind.crc_extra]) for number, kind in common.mavlink_map.items()}
+
+
+def split_frames(data: bytes) -> tuple[list[bytes], int]:
+    """Return the whole frames in `data`, and how many of its bytes are done with."""
+    frames = []
+    at, end = 0, len(data)
+    while at < end:
+        if data[at] not in (MAGIC_V1, MAGIC_V2):
+            at += 1
+            continue
+        length = _frame_length(data, at)
+        if length is None or at + length > end:
+            break  # not all here yet
+        frame = data[at : at + length]
+        if _is_sound(frame, data[at + length : at + length + 1]):
+            frames.append(frame)
+            at += length
+        else:
+            at += 1
+    return frames, at
+
+
+class FrameSplitter:
+    """Cut a byte stream whose reads end anywhere, as TCP and serial lines deliver it."""
+
+    def __init__(self) -> None:
+        self._rest = b""
+
+    def split(self, data: bytes) -> list[bytes]:
+        """Return the frames that `data` completes; keep what is unfinished."""
+        data = self._rest + data
+        frames, used = split_frames(data)
+        self._rest = data[used:]
+        return frames
+
+
+def message_id(frame: bytes) -> int:
+    """Read the message id of a whole frame."""
+    if frame[0] == MAGIC_V2:
+        return frame[7] | frame[8] << 8 | frame[9] << 16
+    return frame[5]
+
+
+def source_of(frame: bytes) -> tuple[int, int]:
+    """Read the system and component that sent a whole frame."""
+    return (frame[5], frame[6]) if frame[0] == MAGIC_V2 else (frame[3], frame[4])
+
+
+def _frame_length(data: bytes, at: int) -> int | None:
+    if data[at] == MAGIC_V1:
+        return data[at + 1] + OVERHEAD_V1 if at + 1 < len(data) else None
+    if at + 2 >= len(data):
+        return None
+    signature = SIGNATURE_BYTES if data[at + 2] & SIGNED_FLAG else 0
+    return data[at + 1] + OVERHEAD_V2 + signature
+
+
+def _is_sound(frame: bytes, following: bytes) -> bool:
+    extra = CRC_EXTRA.get(message_id(frame))
+    if extra is None:
+        return not following or following[0] in (MAGIC_V1, MAGIC_V2)
+    end = frame[1] + (10 if frame[0] == MAGIC_V2 else 6)
+    checksum: int = x25crc(frame[1:end] + extra).crc
+    return checksum == frame[end] | frame[end + 1] << 8

@@ -1,0 +1,171 @@
+"""Speak MAVLink with one vehicle: every frame is logged, only what is needed is decoded.
+
+The first autopilot heard (component 1, a HEARTBEAT that names an autopilot) is the vehicle. From
+then on datagrams from other addresses are dropped, so that nobody else can pose as it by port.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from pymavlink.dialects.v20 import common
+
+from flightstack.clock import VehicleClock
+from flightstack.mavlink.framing import MAGIC_V2, message_id, source_of
+from flightstack.mavlink.px4 import (
+    AUTOPILOT_COMPONENT,
+    CAMERA_COMPONENT,
+    COMPANION_COMPONENT,
+    REFEREE_COMPONENT,
+)
+from flightstack.mavlink.tlog import TlogWriter
+from flightstack.mavlink.transport import Address, Transport
+
+Message: TypeAlias = Any  # pymavlink's classes carry no types
+
+# Each begins with time_boot_ms, and PX4 streams them at 30 Hz or more.
+STAMPED = frozenset(
+    {
+        common.MAVLINK_MSG_ID_ATTITUDE,
+        common.MAVLINK_MSG_ID_ATTITUDE_QUATERNION,
+        common.MAVLINK_MSG_ID_LOCAL_POSITION_NED,
+        common.MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
+    }
+)
+STAMP_BYTES = 4
+# Only the newest of these matters: they are decoded once a drain.
+COALESCED = frozenset({common.MAVLINK_MSG_ID_LOCAL_POSITION_NED})
+WANTED = {
+    AUTOPILOT_COMPONENT: frozenset(
+        {
+            common.MAVLINK_MSG_ID_HEARTBEAT,
+            common.MAVLINK_MSG_ID_COMMAND_ACK,
+            common.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
+            common.MAVLINK_MSG_ID_HOME_POSITION,
+            common.MAVLINK_MSG_ID_STATUSTEXT,
+        }
+    ),
+    REFEREE_COMPONENT: frozenset(
+        {
+            common.MAVLINK_MSG_ID_MISSION_CURRENT,
+            common.MAVLINK_MSG_ID_MISSION_ITEM_REACHED,
+            common.MAVLINK_MSG_ID_STATUSTEXT,
+        }
+    ),
+    CAMERA_COMPONENT: frozenset(
+        {
+            common.MAVLINK_MSG_ID_CAMERA_TRIGGER,
+            common.MAVLINK_MSG_ID_COMMAND_ACK,
+            common.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION,
+        }
+    ),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Vehicle:
+    """Who the link speaks with."""
+
+    system_id: int
+    autopilot: int  # MAV_AUTOPILOT
+    address: Address | None
+
+
+class Link:
+    """The companion's end of the link; for one thread."""
+
+    def __init__(
+        self,
+        transport: Transport,
+        tlog: TlogWriter,
+        clock: VehicleClock,
+        wall_s: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.tlog = tlog
+        self.clock = clock
+        self.vehicle: Vehicle | None = None
+        self._transport = transport
+        self._wall_s = wall_s
+        self._heard_s = wall_s()
+        self._protocol = common.MAVLink(None, srcSystem=1, srcComponent=COMPANION_COMPONENT)
+        self._newest: dict[int, bytes] = {}
+
+    @property
+    def system_id(self) -> int:
+        """The system that we belong to: the vehicle's; 1 until it is heard."""
+        return 1 if self.vehicle is None else self.vehicle.system_id
+
+    @property
+    def silence_s(self) -> float:
+        """Wall time since the vehicle was last heard; endless where its end has closed."""
+        return float("inf") if self._transport.closed else self._wall_s() - self._heard_s
+
+    def fileno(self) -> int:
+        """Return what a selector waits on."""
+        return self._transport.fileno()
+
+    def drain(self) -> list[Message]:
+        """Take in all that has arrived; return the decoded messages that the companion uses."""
+        messages: list[Message] = []
+        for frames, address in self._transport.receive():
+            if self.vehicle is not None and address != self.vehicle.address:
+                continue
+            for frame in frames:
+                self._take(frame, address, messages)
+        for frame in self._newest.values():
+            self._decode(frame, messages)
+        self._newest.clear()
+        return messages
+
+    def send(self, message: Message) -> None:
+        """Send one message as component 191 of the vehicle's system."""
+        self._protocol.srcSystem = self.system_id
+        frame = bytes(message.pack(self._protocol))
+        self._protocol.seq = (self._protocol.seq + 1) % 256
+        self.tlog.append(self.clock.elapsed_us, frame)
+        self._transport.send(frame, self.vehicle.address if self.vehicle else None)
+
+    def close(self) -> None:
+        """Write the log out and let go of the transport."""
+        self.tlog.close()
+        self._transport.close()
+
+    def _take(self, frame: bytes, address: Address | None, messages: list[Message]) -> None:
+        number = message_id(frame)
+        system, component = source_of(frame)
+        if self.vehicle is None:
+            self._meet(frame, number, (system, component), address)
+        ours = self.vehicle is not None and system == self.vehicle.system_id
+        if ours and component == AUTOPILOT_COMPONENT:
+            self._heard_s = self._wall_s()
+            if number in STAMPED:
+                self._observe_stamp(frame)
+        self.tlog.append(self.clock.elapsed_us, frame)
+        if not ours:
+            return
+        if number in COALESCED and component == AUTOPILOT_COMPONENT:
+            self._newest[number] = frame
+        elif number in WANTED.get(component, ()):
+            self._decode(frame, messages)
+
+    def _meet(
+        self, frame: bytes, number: int, source: tuple[int, int], address: Address | None
+    ) -> None:
+        if number != common.MAVLINK_MSG_ID_HEARTBEAT or source[1] != AUTOPILOT_COMPONENT:
+            return
+        decoded: list[Message] = []
+        self._decode(frame, decoded)
+        if decoded and decoded[0].autopilot != common.MAV_AUTOPILOT_INVALID:
+            self.vehicle = Vehicle(source[0], decoded[0].autopilot, address)
+
+    def _observe_stamp(self, frame: bytes) -> None:
+        length, payload = frame[1], frame[10:] if frame[0] == MAGIC_V2 else frame[6:]
+        stamp_ms = int.from_bytes(payload[: min(length, STAMP_BYTES)], "little")
+        self.clock.observe(stamp_ms * 1000)
+
+    def _decode(self, frame: bytes, messages: list[Message]) -> None:
+        try:
+            messages.append(self._protocol.decode(bytearray(frame)))
+        except common.MAVError:  # a field that the dialect refuses
+            return

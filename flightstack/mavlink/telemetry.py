@@ -1,0 +1,174 @@
+"""Keep the newest of what the vehicle, its camera and its referee say."""
+
+from dataclasses import dataclass, field, replace
+from enum import Enum, IntEnum
+
+from pymavlink.dialects.v20 import common
+
+from flightstack.clock import VehicleClock
+from flightstack.mavlink.link import Message
+from flightstack.mavlink.px4 import CAMERA_COMPONENT, REFEREE_COMPONENT
+
+Vector3 = tuple[float, float, float]
+NO_TOTAL = 65535  # MISSION_CURRENT.total of a vehicle that has no mission
+CHUNK_CHARACTERS = 50  # a STATUSTEXT shorter than this ends its text
+
+
+class Landed(IntEnum):
+    """Where the vehicle believes itself: MAV_LANDED_STATE."""
+
+    UNKNOWN = 0
+    ON_GROUND = 1
+    IN_AIR = 2
+    TAKING_OFF = 3
+    LANDING = 4
+
+
+class CourseFailure(Enum):
+    """How the referee ended the course early."""
+
+    MISSED_GATE = "missed_gate"
+    COLLISION = "collision"
+
+
+FAILURES = {
+    "Missed gate": CourseFailure.MISSED_GATE,
+    "Collision with gate": CourseFailure.COLLISION,
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Course:
+    """What the referee has said so far."""
+
+    gates_passed: int = 0
+    gates_total: int | None = None
+    finished: bool = False
+    failure: CourseFailure | None = None
+
+    @property
+    def known(self) -> bool:
+        """Whether there is a referee at all."""
+        return self.gates_total is not None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Text:
+    """A line for people, from the vehicle or its referee."""
+
+    severity: int  # MAV_SEVERITY: 2 critical, 3 error, 4 warning, 6 info
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Telemetry:
+    """One moment's view of the vehicle; times are vehicle time of reception."""
+
+    heartbeat_us: int = 0
+    custom_mode: int = 0
+    armed: bool = False
+    armable: bool = False
+    landed: Landed = Landed.UNKNOWN
+    landed_us: int = 0  # since when `landed` holds
+    home_altitude_amsl_m: float | None = None
+    position_ned: Vector3 | None = None  # m
+    velocity_ned: Vector3 | None = None  # m/s
+    trigger_us: int | None = None  # stamp of the newest frame that the camera has announced
+    course: Course = field(default_factory=Course)
+
+
+class TelemetryReceiver:
+    """Fold messages into the newest view."""
+
+    def __init__(self, clock: VehicleClock) -> None:
+        self.latest = Telemetry()
+        self.stream_uri: str | None = None
+        self._clock = clock
+        self._texts: list[Text] = []
+        self._chunks: dict[tuple[int, int], str] = {}
+        self._handlers = {
+            common.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
+            common.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: self._extended_sys_state,
+            common.MAVLINK_MSG_ID_HOME_POSITION: self._home_position,
+            common.MAVLINK_MSG_ID_LOCAL_POSITION_NED: self._local_position,
+            common.MAVLINK_MSG_ID_CAMERA_TRIGGER: self._camera_trigger,
+            common.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION: self._video_stream_information,
+            common.MAVLINK_MSG_ID_MISSION_CURRENT: self._mission_current,
+            common.MAVLINK_MSG_ID_MISSION_ITEM_REACHED: self._mission_item_reached,
+            common.MAVLINK_MSG_ID_STATUSTEXT: self._statustext,
+        }
+
+    def update(self, message: Message) -> None:
+        """Take one message from the link; those of other kinds pass by."""
+        handle = self._handlers.get(message.get_msgId())
+        if handle is not None:
+            handle(message)
+
+    def drain_texts(self) -> list[Text]:
+        """Return the whole texts since the last call."""
+        texts, self._texts = self._texts, []
+        return texts
+
+    def _heartbeat(self, message: Message) -> None:
+        self.latest = replace(
+            self.latest,
+            heartbeat_us=self._clock.stamp_us,
+            custom_mode=message.custom_mode,
+            armed=bool(message.base_mode & common.MAV_MODE_FLAG_SAFETY_ARMED),
+            armable=message.system_status == common.MAV_STATE_STANDBY,
+        )
+
+    def _extended_sys_state(self, message: Message) -> None:
+        landed = Landed(message.landed_state)
+        if landed is not self.latest.landed:
+            self.latest = replace(self.latest, landed=landed, landed_us=self._clock.stamp_us)
+
+    def _home_position(self, message: Message) -> None:
+        self.latest = replace(self.latest, home_altitude_amsl_m=message.altitude / 1000)
+
+    def _local_position(self, message: Message) -> None:
+        self.latest = replace(
+            self.latest,
+            position_ned=(message.x, message.y, message.z),
+            velocity_ned=(message.vx, message.vy, message.vz),
+        )
+
+    def _camera_trigger(self, message: Message) -> None:
+        self.latest = replace(self.latest, trigger_us=message.time_usec)
+
+    def _video_stream_information(self, message: Message) -> None:
+        if message.get_srcComponent() == CAMERA_COMPONENT:
+            self.stream_uri = message.uri
+
+    def _mission_current(self, message: Message) -> None:
+        if message.total == NO_TOTAL:
+            return
+        course = replace(
+            self.latest.course,
+            gates_passed=max(self.latest.course.gates_passed, message.seq),
+            gates_total=message.total,
+            finished=message.mission_state == common.MISSION_STATE_COMPLETE,
+        )
+        self.latest = replace(self.latest, course=course)
+
+    def _mission_item_reached(self, message: Message) -> None:
+        passed = max(self.latest.course.gates_passed, message.seq + 1)
+        self.latest = replace(self.latest, course=replace(self.latest.course, gates_passed=passed))
+
+    def _statustext(self, message: Message) -> None:
+        key = (message.get_srcComponent(), message.id)
+        begun = self._chunks.pop(key, "") if message.id and message.chunk_seq else ""
+        text = begun + message.text
+        if message.id and len(message.text) == CHUNK_CHARACTERS:
+            self._chunks[key] = text
+            return
+        text = text.rstrip("\t")
+        self._texts.append(Text(severity=message.severity, text=text))
+        if key[0] == REFEREE_COMPONENT:
+            self._judge(text)
+
+    def _judge(self, text: str) -> None:
+        for beginning, failure in FAILURES.items():
+            if text.startswith(beginning):
+                course = replace(self.latest.course, failure=failure)
+                self.latest = replace(self.latest, course=course)

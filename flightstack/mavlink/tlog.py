@@ -1,0 +1,82 @@
+"""Write a tlog: every frame of both directions, each after its time.
+
+A record is a big-endian 64-bit count of microseconds since 1970, then the frame as it was on the
+wire. Times are the wall time of the start plus the vehicle time since, so that rates in the log
+read right at any simulation speed. Only whole records reach the file, in one write each second:
+after a crash of the process the file ends at a record's end.
+"""
+
+import os
+import struct
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from flightstack.errors import UsageError
+
+FLUSH_S = 0.5  # wall time
+FLUSH_BYTES = 1 << 16
+LINK_BITS = 0x3  # pymavlink reads a link number in the two lowest bits of the time
+
+
+class TlogWriter:
+    """One log file; when the disk refuses, `failure` says why and nothing more is written."""
+
+    def __init__(self, path: Path, wall_s: Callable[[], float] = time.monotonic) -> None:
+        self.path = path
+        self.failure: str | None = None
+        self._wall_s = wall_s
+        self._start_us = time.time_ns() // 1000
+        self._pending = bytearray()
+        self._written = 0  # bytes of whole records in the file
+        self._flushed_s = wall_s()
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
+        except OSError as error:
+            raise UsageError(
+                f"cannot write the log {path}: {error.strerror}; choose another --log"
+            ) from error
+
+    def append(self, elapsed_us: int, frame: bytes) -> None:
+        """Add a frame at a vehicle time counted from the start of the log."""
+        time_us = self._start_us + elapsed_us & ~LINK_BITS
+        self._pending += struct.pack(">Q", time_us) + frame
+        if len(self._pending) >= FLUSH_BYTES:
+            self.flush()
+
+    def flush_if_due(self) -> None:
+        """Write what is pending if the last write is half a second (wall time) old."""
+        if self._wall_s() - self._flushed_s >= FLUSH_S:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write what is pending; on failure keep the file at its last whole record."""
+        self._flushed_s = self._wall_s()
+        pending = bytes(self._pending)
+        self._pending.clear()
+        if self.failure is not None or not pending:
+            return
+        try:
+            written = 0
+            while written < len(pending):
+                written += os.write(self._file, pending[written:])
+        except OSError as error:
+            self.failure = f"the log {self.path} ends here: {error.strerror}"
+            self._cut_back()
+        else:
+            self._written += len(pending)
+
+    def close(self) -> None:
+        """Write what is pending and close; more than once does no harm."""
+        if self._file < 0:
+            return
+        self.flush()
+        os.close(self._file)
+        self._file = -1
+
+    def _cut_back(self) -> None:
+        try:
+            os.ftruncate(self._file, self._written)
+        except OSError:  # a device, not a file: there is nothing to cut
+            return

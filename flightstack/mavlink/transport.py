@@ -1,0 +1,187 @@
+"""Carry bytes to and from a vehicle: over UDP, TCP or a serial line; nothing here ever blocks.
+
+A transport that breaks in flight does not raise: what cannot be sent is lost, as on any radio, and
+the link's silence tells. Opening one raises LinkError with the reason.
+"""
+
+import errno
+import os
+import socket
+from typing import Protocol
+
+from flightstack.errors import LinkError, UsageError
+from flightstack.mavlink.endpoint import Endpoint, Kind
+from flightstack.mavlink.framing import FrameSplitter, split_frames
+
+CONNECT_TIMEOUT_S = 5.0
+DATAGRAM_BYTES = 65535
+RECEIVE_BUFFER_BYTES = 1 << 20  # bridges the seconds in which a model is being loaded
+UNSENT_BYTES = 1 << 16  # a peer that takes nothing costs no more memory than this
+
+Address = tuple[str, int]
+Received = tuple[list[bytes], Address | None]  # frames of one read, and who sent them
+
+
+class Transport(Protocol):
+    """A way to the vehicle, ready for a selector."""
+
+    closed: bool  # the other end has gone for good
+
+    def fileno(self) -> int:
+        """Return what a selector waits on."""
+
+    def receive(self) -> list[Received]:
+        """Return all that has arrived."""
+
+    def send(self, frame: bytes, address: Address | None) -> None:
+        """Send one frame; `address` matters to a transport that listens."""
+
+    def close(self) -> None:
+        """Let go of the socket or device."""
+
+
+def open_transport(endpoint: Endpoint) -> Transport:
+    """Open what a connection string names."""
+    if endpoint.kind is Kind.UDP_LISTEN or endpoint.kind is Kind.UDP_SEND:
+        return UdpTransport(endpoint)
+    if endpoint.kind is Kind.TCP:
+        return _connect_tcp(endpoint)
+    return _open_serial(endpoint)
+
+
+class UdpTransport:
+    """Datagrams, each holding whole frames; one socket that listens, or that sends first."""
+
+    def __init__(self, endpoint: Endpoint) -> None:
+        self.closed = False
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            self._open(endpoint)
+        except OSError as error:
+            self._socket.close()
+            raise LinkError(_explain(endpoint, error)) from error
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER_BYTES)
+        self._socket.settimeout(0.0)
+
+    def _open(self, endpoint: Endpoint) -> None:
+        listens = endpoint.kind is Kind.UDP_LISTEN
+        self._peer: Address | None = None
+        if listens:
+            self._socket.bind((endpoint.host, endpoint.port))
+        else:
+            self._peer = (socket.gethostbyname(endpoint.host), endpoint.port)
+
+    @property
+    def address(self) -> Address:
+        """Our own end."""
+        host, port = self._socket.getsockname()
+        return (host, port)
+
+    def fileno(self) -> int:
+        """Return what a selector waits on."""
+        return self._socket.fileno()
+
+    def receive(self) -> list[Received]:
+        """Return all datagrams that have arrived, cut into frames."""
+        received: list[Received] = []
+        while True:
+            try:
+                datagram, address = self._socket.recvfrom(DATAGRAM_BYTES)
+            except OSError:  # nothing more, or an earlier datagram came back as unreachable
+                return received
+            received.append((split_frames(datagram)[0], address))
+
+    def send(self, frame: bytes, address: Address | None) -> None:
+        """Send one frame to the vehicle that has been heard, or to the one that was named."""
+        target = address or self._peer
+        if target is None:
+            return
+        try:
+            self._socket.sendto(frame, target)
+        except OSError:  # lost, as datagrams are
+            return
+
+    def close(self) -> None:
+        """Let go of the port."""
+        self._socket.close()
+
+
+class StreamTransport:
+    """A byte stream, from TCP or a serial line, through a non-blocking file descriptor."""
+
+    def __init__(self, owner: socket.socket | "SerialPort") -> None:
+        self.closed = False
+        self._owner = owner
+        self._splitter = FrameSplitter()
+        self._unsent = b""
+        os.set_blocking(owner.fileno(), False)
+
+    def fileno(self) -> int:
+        """Return what a selector waits on."""
+        return self._owner.fileno()
+
+    def receive(self) -> list[Received]:
+        """Return the frames that have arrived whole."""
+        try:
+            data = os.read(self._owner.fileno(), DATAGRAM_BYTES)
+        except BlockingIOError:
+            return []
+        except OSError:
+            data = b""
+        self.closed = self.closed or not data
+        return [(self._splitter.split(data), None)]
+
+    def send(self, frame: bytes, address: Address | None) -> None:  # noqa: ARG002  (protocol)
+        """Send one frame; drop it where the other end has not taken the earlier ones."""
+        if len(self._unsent) < UNSENT_BYTES:
+            self._unsent += frame
+        try:
+            written = os.write(self._owner.fileno(), self._unsent)
+        except BlockingIOError:
+            return
+        except OSError:
+            self.closed = True
+            return
+        self._unsent = self._unsent[written:]
+
+    def close(self) -> None:
+        """Let go of the socket or device."""
+        self._owner.close()
+
+
+class SerialPort(Protocol):
+    """What is used of pyserial's Serial."""
+
+    def fileno(self) -> int:
+        """Return the descriptor of the open device."""
+
+    def close(self) -> None:
+        """Close the device."""
+
+
+def _connect_tcp(endpoint: Endpoint) -> StreamTransport:
+    try:
+        connected = socket.create_connection((endpoint.host, endpoint.port), CONNECT_TIMEOUT_S)
+    except OSError as error:
+        raise LinkError(_explain(endpoint, error)) from error
+    connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    return StreamTransport(connected)
+
+
+def _open_serial(endpoint: Endpoint) -> StreamTransport:
+    try:
+        import serial  # noqa: PLC0415  (an extra: only serial lines need it)
+    except ImportError as error:
+        raise UsageError("serial lines need pyserial: pip install 'flightstack[serial]'") from error
+    try:
+        return StreamTransport(serial.Serial(endpoint.host, endpoint.port, exclusive=True))
+    except (OSError, ValueError) as error:  # SerialException is an OSError
+        raise LinkError(_explain(endpoint, error)) from error
+
+
+def _explain(endpoint: Endpoint, error: Exception) -> str:
+    number = getattr(error, "errno", None)
+    if number == errno.EADDRINUSE:
+        return f"port {endpoint.port} is in use by another program; choose another, such as 14540"
+    reason = os.strerror(number) if isinstance(number, int) and number > 0 else str(error)
+    return f"cannot open {endpoint}: {reason}"

@@ -1,0 +1,77 @@
+"""Send what is known about each decision, so that it stands in every log beside its setpoint.
+
+DEBUG_FLOAT_ARRAY "decision" carries all of it, four floats each, in the order of VELOCITIES:
+aleatoric, epistemic and perceptual standard deviation, score, member, number of modes, command.
+NAMED_VALUE_FLOAT carries for plotting the length of each standard deviation over vx, vy, vz (m/s).
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from pymavlink.dialects.v20 import common
+
+from flightstack.mavlink.link import Message
+from flightstack.mavlink.offboard import TIME_WRAP_MS
+from flightstack.records import ALL_MEMBERS, Decision
+
+ARRAY_NAME = b"decision"
+ARRAY_FLOATS = 58
+NAMED_PERIOD_US = 200_000  # 5 Hz
+LINEAR = slice(0, 3)  # vx, vy, vz: one unit, so that a length means something
+
+
+class UncertaintyPublisher:
+    """Publish decisions through a link's `send`."""
+
+    def __init__(self, send: Callable[[Message], None]) -> None:
+        self._send = send
+        self._named_us: int | None = None
+
+    def publish(self, decision: Decision, stamp_us: int) -> None:
+        """Send a decision's uncertainties, and at 5 Hz the three lengths."""
+        self._send(_array(decision, stamp_us))
+        if self._named_us is not None and 0 <= stamp_us - self._named_us < NAMED_PERIOD_US:
+            return
+        self._named_us = stamp_us
+        stds = {
+            b"unc_alea": decision.aleatoric_std,
+            b"unc_epis": decision.epistemic_std,
+            b"unc_perc": decision.perceptual_std,
+        }
+        for name, std in stds.items():
+            stamp_ms = stamp_us // 1000 % TIME_WRAP_MS
+            self._send(common.MAVLink_named_value_float_message(stamp_ms, name, linear_length(std)))
+
+
+def linear_length(std: NDArray[np.float64]) -> float:
+    """Length (m/s) of a standard deviation over the three linear velocities."""
+    return float(np.linalg.norm(std[LINEAR]))
+
+
+def total_std_m_s(decision: Decision) -> float:
+    """All three kinds of uncertainty in one number: their root sum of squares, m/s."""
+    kinds = (decision.aleatoric_std, decision.epistemic_std, decision.perceptual_std)
+    return math.hypot(*map(linear_length, kinds))
+
+
+def _array(decision: Decision, stamp_us: int) -> Message:
+    data = np.zeros(ARRAY_FLOATS)
+    rows = (
+        decision.aleatoric_std,
+        decision.epistemic_std,
+        decision.perceptual_std,
+        _score_of_choice(decision),
+        decision.member,
+        decision.modes,
+        decision.command,
+    )
+    data[: 4 * len(rows)] = np.concatenate(rows)
+    return common.MAVLink_debug_float_array_message(stamp_us, ARRAY_NAME, 0, data.tolist())
+
+
+def _score_of_choice(decision: Decision) -> NDArray[np.float64]:
+    """Pick each velocity's score of the chosen member; the mean where all were pooled."""
+    chosen = decision.score[np.maximum(decision.member, 0), np.arange(decision.member.size)]
+    return np.where(decision.member == ALL_MEMBERS, decision.score.mean(axis=0), chosen)
