@@ -1,0 +1,113 @@
+"""Start vehicles and companions as real processes, and end them whatever happens."""
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from scripts.fly_course import API_PORT, free_instance
+
+ROOT = Path(__file__).resolve().parents[2]
+ENVIRONMENT = {"OMP_NUM_THREADS": "1"} | os.environ
+FAST = ("--speed-factor", "0")  # as fast as possible
+LOCKSTEP = ("--lockstep", *FAST)
+
+__all__ = ["API_PORT", "free_instance"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pair:
+    """A vehicle and the companion that flies it."""
+
+    instance: int
+    vehicle: subprocess.Popen[bytes]
+    companion: subprocess.Popen[bytes]
+    vehicle_log: Path  # tlog of all the vehicle's links
+    companion_log: Path  # tlog of the companion's link
+    companion_output: Path
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ended:
+    """What a finished process leaves behind."""
+
+    code: int
+    stdout: str
+    stderr: str
+
+    @property
+    def result(self) -> dict[str, Any]:
+        """The JSON object in the last line of output."""
+        fields: dict[str, Any] = json.loads(self.stdout.splitlines()[-1])
+        return fields
+
+
+def run(command: list[str], *, timeout_s: float, cwd: Path = ROOT) -> Ended:
+    """Run to the end; a process that outlives the deadline is killed and fails the test."""
+    ended = subprocess.run(
+        command,
+        cwd=cwd,
+        env=ENVIRONMENT | {"PYTHONPATH": str(ROOT)},
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=timeout_s,
+        check=False,
+    )
+    return Ended(code=ended.returncode, stdout=ended.stdout, stderr=ended.stderr)
+
+
+def run_module(module: str, *options: str, timeout_s: float = 60.0) -> Ended:
+    """Run `python -m module` to its end."""
+    return run([sys.executable, "-m", module, *options], timeout_s=timeout_s)
+
+
+@contextlib.contextmanager
+def process(module: str, *options: str, log: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """Start `python -m module`, both outputs into `log`; terminate, then kill, on the way out."""
+    with log.open("wb") as output:
+        running = subprocess.Popen(
+            [sys.executable, "-m", module, *options],
+            cwd=ROOT,
+            env=ENVIRONMENT,
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+        )
+        try:
+            yield running
+        finally:
+            running.terminate()
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                running.wait(10.0)
+            running.kill()
+            running.wait()
+
+
+@contextlib.contextmanager
+def pair(folder: Path, *vehicle_options: str) -> Iterator[Pair]:
+    """Start both in lockstep, as fast as they can, on an instance of their own."""
+    vehicle_log, companion_log = folder / "vehicle.tlog", folder / "companion.tlog"
+    output = folder / "companion.txt"
+    with contextlib.ExitStack() as stack:
+        instance = stack.enter_context(free_instance())
+        vehicle_options = (*LOCKSTEP, *vehicle_options, f"--instance={instance}")
+        companion_options = (f"--udp={API_PORT + instance}", f"--log={companion_log}")
+        start = stack.enter_context
+        yield Pair(
+            instance=instance,
+            vehicle=start(
+                process(
+                    *("sitl", *vehicle_options, f"--log={vehicle_log}"), log=folder / "vehicle.txt"
+                )
+            ),
+            companion=start(process("flightstack.companion", *companion_options, log=output)),
+            vehicle_log=vehicle_log,
+            companion_log=companion_log,
+            companion_output=output,
+        )
