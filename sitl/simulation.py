@@ -62,7 +62,13 @@ class Simulation:
         )
         airframe = load_airframe(config.airframe)
         self.parameters = Parameters(airframe.parameters)
-        self.autopilot = Autopilot(self.parameters, home=config.home)
+        self.autopilot = Autopilot(
+            self.parameters,
+            rotor_positions_frd_m=airframe.rotor_positions_frd_m,
+            rotor_yaw_moments_m=airframe.rotor_yaw_moments_m,
+            hover_thrust=airframe.hover_thrust,
+            home=config.home,
+        )
         self._world = World(self.track.gates, airframe, tick_s=TICK_US / 1e6, gui=config.gui)
         first = config.first_gate
         self.course_gates = self.track.gates[first:] + self.track.gates[:first]
@@ -126,4 +132,4 @@ class Simulation:
         )
         self.state = self._world.body.state(self.time_us)
         self.estimate = self._estimator.update(self.state)
-        self.autopilot.start_airborne(self.estimate)
+        self.autopilot.start_airborne()

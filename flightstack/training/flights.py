@@ -119,7 +119,7 @@ def _take_off(
 
 
 def _before(gate: Gate, rng: np.random.Generator, recipe: FlightRecipe) -> tuple[Vector3, float]:
-    """A place before a gate, more scattered the farther away, and the bearing to the gate."""
+    """Draw a place before a gate, more scattered the farther away; and its bearing to the gate."""
     ahead = float(rng.uniform(*recipe.start_ahead_m))
     right, down = rng.normal(0.0, recipe.start_spread_m * ahead / recipe.start_ahead_m[1], 2)
     # the course comes from the outside of the axis' tangent: half a gate's turn

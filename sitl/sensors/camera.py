@@ -71,13 +71,15 @@ class Camera:
         rotation = np.array(axes, dtype=np.float32).T
         colours = self._background.draw(rotation, np.float32(position_ned), self.look)
         gates, coverage = self._draw_gates(position_ned, axes[0], axes[2])
-        image = colours.reshape(SIZE_PX, SIZE_PX, 3) * (1.0 - coverage) + gates
+        image = colours.reshape(SIZE_PX, SIZE_PX, 3)
+        image *= 1.0 - coverage.astype(np.float32) * np.float32(1.0 / 255.0)
+        image += gates
         return np.rint(image).astype(np.uint8)
 
     def _draw_gates(
         self, position_ned: Vector3, forward_ned: Vector3, down_ned: Vector3
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Colour times coverage (H, W, 3), and coverage (H, W, 1) of the gates in each pixel."""
+    ) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+        """Colour times coverage (H, W, 3), and coverage (H, W, 1) 0..255 of the gates."""
         eye, forward, down = flip(position_ned), flip(forward_ned), flip(down_ned)
         view = pybullet.computeViewMatrix(
             eye,
@@ -98,11 +100,9 @@ class Camera:
             flags=pybullet.ER_NO_SEGMENTATION_MASK,
             physicsClientId=self._client,
         )
-        layers = np.empty((self._fine, self._fine, 4), dtype=np.float32)
-        layers[..., 3] = depth < 1.0
-        layers[..., :3] = rgba[..., :3]
-        layers[..., :3] *= layers[..., 3:]
-        mean = cv2.resize(layers, (SIZE_PX, SIZE_PX), interpolation=cv2.INTER_AREA)
+        pixels = rgba.view(np.uint32)  # one number a pixel: four times fewer to clear
+        pixels *= (depth < 1.0)[..., None]  # where nothing was drawn
+        mean = cv2.resize(rgba, (SIZE_PX, SIZE_PX), interpolation=cv2.INTER_AREA)
         return mean[..., :3], mean[..., 3:]
 
     def _add_gate(self) -> int:

@@ -1,3 +1,5 @@
+import itertools
+
 import pytest
 
 from sitl.records import CourseEventKind, CourseState, Gate
@@ -77,7 +79,7 @@ def test_straight_flight_from_gate_to_gate_passes_every_one(direction):
     gates = make_track(1, direction=direction).gates
     referee = Referee(gates, laps=4)
     points = [(0.0, 0.0, -3.0)] + [gate.centre_ned for gate in gates] * 4
-    for start, end in zip(points, points[1:], strict=False):
+    for start, end in itertools.pairwise(points):
         overshoot = tuple(e + 0.02 * (e - s) for s, e in zip(start, end, strict=True))
         referee.update(start, overshoot, contact=False)
     assert referee.status.gates_passed == 32
