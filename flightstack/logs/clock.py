@@ -1,0 +1,89 @@
+"""Mend the times of a log's records, and find where its clock jumps."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flightstack.logs.frames import NO_TIME
+
+SPIKE_US = 1_000_000  # a time this far from those around it, which agree, is damaged
+DAY_US = 86_400_000_000
+MEDIAN_OF = 5
+MOST_DAMAGED = 0.1  # of all times
+JUMP_BACK_US = 1_000_000  # smaller steps back are several links written from several threads
+JUMP_AHEAD_US = 60_000_000  # a minute of silence: the clock jumped, or logging paused
+
+Times = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClockJump:
+    """A place where time runs backwards, or leaps ahead."""
+
+    row: int  # first frame after the jump
+    time_us: int  # before the jump
+    jump_us: int  # negative: backwards
+
+
+def _filled(times: Times) -> Times:
+    """Return times with lost ones replaced by the last before, the first ones by the next."""
+    known = times != NO_TIME
+    if known.all():
+        return times
+    if not known.any():
+        return np.zeros_like(times)
+    source = np.maximum.accumulate(np.where(known, np.arange(len(times)), -1))
+    source[source < 0] = int(np.argmax(known))
+    filled: Times = times[source]
+    return filled
+
+
+def _suspects(times: Times) -> NDArray[np.intp]:
+    """Return the rows on either side of every large step."""
+    steps = np.abs(np.diff(times.astype(np.float64)))  # as floats: hostile times do not wrap
+    before = np.flatnonzero(steps > SPIKE_US)
+    return np.unique(np.r_[before, before + 1])
+
+
+def spikes(times: Times) -> NDArray[np.intp]:
+    """Return the rows whose time stands apart from the median of the five around it.
+
+    Where time runs on, fast or slowly, the median is the time itself; after a jump that lasts, it
+    is on the same side. At both ends, where there is no middle, only a day's distance counts.
+    """
+    if len(times) < MEDIAN_OF:
+        return np.empty(0, dtype=np.intp)
+    rows = _suspects(times)
+    first = np.clip(rows - MEDIAN_OF // 2, 0, len(times) - MEDIAN_OF)
+    around = times[first[:, None] + np.arange(MEDIAN_OF)]
+    median = np.sort(around, axis=1)[:, MEDIAN_OF // 2]
+    distance = np.abs(times[rows].astype(np.float64) - median.astype(np.float64))
+    at_end = (rows < MEDIAN_OF // 2) | (rows >= len(times) - MEDIAN_OF // 2)
+    return rows[distance > np.where(at_end, DAY_US, SPIKE_US)]
+
+
+def mend(times: Times) -> tuple[Times, int]:
+    """Return times with lost and damaged ones replaced by the last before, and how many were.
+
+    Where more than a tenth stands apart, the log has several clocks: nothing is touched.
+    """
+    lost = times == NO_TIME
+    filled = _filled(times)
+    damaged = spikes(filled)
+    if len(damaged) > MOST_DAMAGED * len(times):
+        damaged = damaged[:0]
+    lost[damaged] = True
+    return _filled(np.where(lost, NO_TIME, filled)), int(lost.sum())
+
+
+def jumps(times: Times) -> list[ClockJump]:
+    """Return where mended times run backwards or leap ahead."""
+    if len(times) < 2:
+        return []
+    steps = times[1:].astype(np.float64) - times[:-1].astype(np.float64)
+    places = np.flatnonzero((steps < -JUMP_BACK_US) | (steps > JUMP_AHEAD_US))
+    return [
+        ClockJump(row=row + 1, time_us=int(times[row]), jump_us=int(times[row + 1] - times[row]))
+        for row in places.tolist()
+    ]

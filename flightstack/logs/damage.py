@@ -1,0 +1,155 @@
+"""Count and locate what a log has lost: bytes that are no frames, times, and sequence numbers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flightstack.logs.clock import ClockJump
+from flightstack.logs.frames import CHECKSUM, HEADER_V1, HEADER_V2, SIGNATURE, TIMESTAMP, Frames
+from flightstack.logs.source import Source
+
+LINK_BITS = 3  # MAVProxy writes the number of the link into the low two bits of the time
+REORDERED = 128  # a step this far ahead in sequence numbers of 8 bits is a step back
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Region:
+    """A stretch of the file that holds no frame."""
+
+    offset: int
+    length: int
+    time_us: int  # of the last record before it
+    kind: str  # "damaged frame", "foreign bytes" or "cut"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SourceLoss:
+    """What one sender's sequence numbers tell about the link."""
+
+    system: int
+    component: int
+    received: int
+    lost: int
+    repeated: int  # the same sequence number twice in a row
+    reordered: int  # steps back: reordering, a restart, or two links in one log
+
+    @property
+    def fraction(self) -> float:
+        """Lost over sent, 0 to 1."""
+        return self.lost / (self.lost + self.received) if self.received else 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Damage:
+    """All that a log has lost."""
+
+    regions: tuple[Region, ...]
+    has_times: bool  # False: a raw stream without times
+    mended_times: int
+    jumps: tuple[ClockJump, ...]
+    duplicates: int  # records that stand in the file twice
+
+    @property
+    def lost_bytes(self) -> int:
+        """Number of bytes that belong to no record."""
+        return sum(region.length for region in self.regions)
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether the log ends within a record."""
+        return bool(self.regions) and self.regions[-1].kind == "cut"
+
+    @property
+    def is_clean(self) -> bool:
+        """Whether nothing at all was lost."""
+        return not (self.regions or self.jumps or self.mended_times or self.duplicates)
+
+
+def _frame_length(head: NDArray[np.uint8]) -> int:
+    """Return how long the frame is that starts with `head`, 0 where it is none."""
+    if len(head) < 3:
+        return 0
+    magic, length, incompatible = head[:3].tolist()
+    if magic == 0xFE:
+        return int(HEADER_V1 + length + CHECKSUM)
+    if magic == 0xFD and incompatible <= 1:
+        return int(HEADER_V2 + length + CHECKSUM + SIGNATURE * incompatible)
+    return 0
+
+
+def _kind(source: Source, offset: int, length: int) -> str:
+    head = source.read(offset, offset + TIMESTAMP + HEADER_V2)
+    expected = _frame_length(head[TIMESTAMP:])
+    if offset + length == source.size and (length < TIMESTAMP + 3 or expected > length - TIMESTAMP):
+        return "cut"
+    return "damaged frame" if expected == length - TIMESTAMP else "foreign bytes"
+
+
+def find_regions(
+    source: Source, frames: Frames, times: NDArray[np.int64]
+) -> tuple[list[Region], bool]:
+    """Return the stretches without a frame, and whether the records have times before them."""
+    left = np.r_[np.int64(0), frames.end]
+    right = np.r_[frames.offset, np.int64(source.size)]
+    space = right - left
+    inner = space[:-1]
+    has_times = not len(inner) or np.count_nonzero(inner >= TIMESTAMP) * 2 >= len(inner)
+    record_gap = np.full(len(space), TIMESTAMP if has_times else 0)
+    record_gap[-1] = 0  # nothing follows the last frame
+    regions = []
+    for row in np.flatnonzero(space > record_gap).tolist():
+        length = int(space[row] - record_gap[row])
+        offset = int(left[row])
+        time_us = int(times[max(row - 1, 0)]) if len(times) else 0
+        kind = _kind(source, offset, length)
+        regions.append(Region(offset=offset, length=length, time_us=time_us, kind=kind))
+    return regions, bool(has_times)
+
+
+def count_duplicates(frames: Frames, times: NDArray[np.int64]) -> int:
+    """Return how many records repeat one before: same time, sender, sequence and message."""
+    key = frames.msgid.astype(np.int64) << 24
+    key |= frames.system.astype(np.int64) << 16 | frames.component.astype(np.int64) << 8
+    key |= frames.sequence
+    order = np.lexsort((key, times))
+    same = (np.diff(times[order]) == 0) & (np.diff(key[order]) == 0)
+    return int(np.count_nonzero(same))
+
+
+def _steps(sequence: NDArray[np.uint8]) -> tuple[int, int, int]:
+    """Return lost, repeated and reordered of one stream of sequence numbers."""
+    step = np.diff(sequence)  # wraps at 256 as the numbers do
+    ahead = step[(step > 0) & (step < REORDERED)].astype(np.int64)
+    lost = int((ahead - 1).sum())
+    return lost, int(np.count_nonzero(step == 0)), int(np.count_nonzero(step >= REORDERED))
+
+
+def _stream_steps(sequence: NDArray[np.uint8], link: NDArray[np.int64]) -> tuple[int, int, int]:
+    """Return the steps of one sender, by link where that explains the numbers better."""
+    together = _steps(sequence)
+    parts = [_steps(sequence[link == number]) for number in np.unique(link).tolist()]
+    by_link = tuple(sum(part[column] for part in parts) for column in range(3))
+    better = sum(by_link) < sum(together)
+    return (by_link[0], by_link[1], by_link[2]) if better else together
+
+
+def find_losses(frames: Frames) -> tuple[SourceLoss, ...]:
+    """Return what the sequence numbers of every sender tell, in order of system and component."""
+    sender = frames.system.astype(np.uint16) << 8 | frames.component
+    losses = []
+    for key in np.unique(sender).tolist():
+        rows = sender == key
+        link = frames.time_us[rows] & LINK_BITS
+        lost, repeated, reordered = _stream_steps(frames.sequence[rows], link)
+        losses.append(
+            SourceLoss(
+                system=key >> 8,
+                component=key & 0xFF,
+                received=int(np.count_nonzero(rows)),
+                lost=lost,
+                repeated=repeated,
+                reordered=reordered,
+            )
+        )
+    return tuple(losses)

@@ -1,0 +1,82 @@
+"""Where every frame of a log lies: one row a frame, as arrays."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+NO_TIME = np.iinfo(np.int64).min  # time_us of a record whose eight bytes of time are lost
+
+HEADER_V1 = 6
+HEADER_V2 = 10
+CHECKSUM = 2
+SIGNATURE = 13
+TIMESTAMP = 8
+MAX_FRAME = HEADER_V2 + 255 + CHECKSUM + SIGNATURE
+
+IS_V2 = 1  # bits of Frames.flags
+IS_SIGNED = 2
+IS_UNKNOWN = 4  # its id is not in the dialect
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Frames:
+    """The index of a log, in file order; all arrays have one entry a frame."""
+
+    offset: NDArray[np.int64]  # of the frame's first byte (0xFD or 0xFE) in the file
+    time_us: NDArray[np.int64]  # since 1970, as recorded, or NO_TIME
+    msgid: NDArray[np.uint32]
+    system: NDArray[np.uint8]
+    component: NDArray[np.uint8]
+    sequence: NDArray[np.uint8]
+    length: NDArray[np.uint8]  # bytes of payload on the wire
+    flags: NDArray[np.uint8]
+    extra: NDArray[np.uint8]  # CRC_EXTRA that the checksum was made with
+
+    def __len__(self) -> int:
+        return len(self.offset)
+
+    def take(self, rows: NDArray[np.intp] | NDArray[np.bool_] | slice) -> "Frames":
+        """Return the frames of these rows."""
+        return Frames(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+
+    @property
+    def header_length(self) -> NDArray[np.int64]:
+        """Bytes before each payload."""
+        return np.where(self.flags & IS_V2, HEADER_V2, HEADER_V1)
+
+    @property
+    def end(self) -> NDArray[np.int64]:
+        """Offset of the first byte after each frame, its signature included."""
+        tail = np.where(self.flags & IS_SIGNED, CHECKSUM + SIGNATURE, CHECKSUM)
+        ends: NDArray[np.int64] = self.offset + self.header_length + self.length + tail
+        return ends
+
+
+def no_frames() -> Frames:
+    """Return an empty index."""
+    byte = np.empty(0, dtype=np.uint8)
+    wide = np.empty(0, dtype=np.int64)
+    return Frames(
+        offset=wide,
+        time_us=wide,
+        msgid=np.empty(0, dtype=np.uint32),
+        system=byte,
+        component=byte,
+        sequence=byte,
+        length=byte,
+        flags=byte,
+        extra=byte,
+    )
+
+
+def join(parts: list[Frames]) -> Frames:
+    """Return all parts as one index, emptying `parts` on the way so that memory stays bounded."""
+    if not parts:
+        return no_frames()
+    if len(parts) == 1:
+        return parts[0]
+    names = [field.name for field in fields(Frames)]
+    return Frames(
+        **{name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    )

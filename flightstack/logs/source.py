@@ -1,0 +1,105 @@
+"""Read the bytes of a log in windows of bounded size, and say what a file is that is no log."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flightstack.logs.errors import LogFileError
+
+WINDOW_BYTES = 2 << 20  # fits the caches; larger is not faster
+MISTAKEN = {  # first bytes of files that people pass by mistake
+    b"ULog\x01\x12\x35": "a PX4 ULog, not a MAVLink log: use pyulog or PX4's Flight Review",
+    b"\xa3\x95": "an ArduPilot .BIN log, not a MAVLink log: use mavlogdump.py or MAVExplorer",
+    b"\x89MCAP0\r\n": "an MCAP file, not a MAVLink log: open it in Foxglove",
+    b"\x1f\x8b": "compressed with gzip: unpack it with gunzip first",
+    b"PK\x03\x04": "a ZIP archive: unpack it first",
+    b"SQLite format 3": "an SQLite database, not a MAVLink log",
+    b"FMT, ": "an ArduPilot text log, not a MAVLink log: use mavlogdump.py or MAVExplorer",
+    b"\x7fELF": "a program, not a MAVLink log",
+    b"\x89PNG": "a picture, not a MAVLink log",
+}
+
+
+class Source(Protocol):
+    """Bytes of a log that can be read at any place."""
+
+    @property
+    def name(self) -> str:
+        """What to call the log in messages."""
+
+    @property
+    def size(self) -> int:
+        """Number of bytes."""
+
+    def read(self, start: int, stop: int) -> NDArray[np.uint8]:
+        """Return the bytes from start to stop, fewer where the log ends."""
+
+
+@dataclass(frozen=True, slots=True)
+class FileSource:
+    """A log in a file; `size` is what it was when the file was opened."""
+
+    path: Path
+    size: int
+
+    @property
+    def name(self) -> str:
+        """The file's path."""
+        return str(self.path)
+
+    def read(self, start: int, stop: int) -> NDArray[np.uint8]:
+        """Return the bytes from start to stop, fewer where the file ends."""
+        count = max(0, min(stop, self.size) - start)
+        return np.fromfile(self.path, dtype=np.uint8, count=count, offset=start)
+
+
+@dataclass(frozen=True, slots=True)
+class MemorySource:
+    """A log in memory."""
+
+    data: NDArray[np.uint8]
+    name: str = "memory"
+
+    @property
+    def size(self) -> int:
+        """Number of bytes."""
+        return len(self.data)
+
+    def read(self, start: int, stop: int) -> NDArray[np.uint8]:
+        """Return the bytes from start to stop, fewer where the log ends."""
+        return self.data[start:stop]
+
+
+def windows(source: Source, window_bytes: int = WINDOW_BYTES) -> Iterator[NDArray[np.uint8]]:
+    """Yield the log's bytes in order, window by window."""
+    for start in range(0, source.size, window_bytes):
+        yield source.read(start, start + window_bytes)
+
+
+def mistaken_kind(path: Path) -> str | None:
+    """Return what a file is that is surely no MAVLink log, None where it may be one."""
+    with path.open("rb") as file:
+        head = file.read(16)
+    return next((kind for magic, kind in MISTAKEN.items() if head.startswith(magic)), None)
+
+
+def open_source(path: Path) -> FileSource:
+    """Return the file as a source; LogFileError says in one line why it cannot be one."""
+    if path.is_dir():
+        raise LogFileError(f"{path} is a folder: name a .tlog in it, or let summary read them all")
+    try:
+        kind = mistaken_kind(path)
+        size = path.stat().st_size
+    except FileNotFoundError:
+        raise LogFileError(f"{path}: no such file") from None
+    except OSError as error:
+        raise LogFileError(f"{path} cannot be read: {error.strerror}") from error
+    if kind is not None:
+        raise LogFileError(f"{path} is {kind}")
+    if size == 0:
+        raise LogFileError(f"{path} is empty: nothing was logged")
+    return FileSource(path, size)
