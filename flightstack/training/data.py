@@ -1,4 +1,4 @@
-"""Make the datasets, shard by shard, on all cores.
+"""Make the datasets, shard by shard, on all cores: gate views, and the expert's flights.
 
 Shard k of a split depends on (seed, split, k) alone, so the same seed gives the same bytes on
 any number of cores, and an interrupted run goes on where it stopped.
@@ -6,77 +6,117 @@ any number of cores, and an interrupted run goes on where it stopped.
 
 import time
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
-from flightstack.training import dataset
-from flightstack.training.gate_views import LABEL_NAMES, ViewRecipe, ViewRenderer
+from flightstack.training import dataset, flights, gate_views
+from flightstack.training.flights import FlightRecipe, fly
+from flightstack.training.gate_views import ViewRecipe, ViewRenderer
+from flightstack.training.seeds import TRAINING_TRACKS, VALIDATION_TRACKS
 
 SPLITS = {"train": 1, "validation": 2}  # the numbers enter the seeds
+TRACKS = {"train": TRAINING_TRACKS, "validation": VALIDATION_TRACKS}
 VIEWS_PER_SHARD = 2500
-PERCEPTION_TRAIN_SHARE = 0.8
+FLIGHT_IMAGES_PER_SHARD = 1000
+PERCEPTION_TRAIN_SHARE = 0.8  # paper
+CONTROL_TRAIN_SHARE = 0.9  # paper
 
-MakeShard = Callable[[Path, str, str, int, int, int], int]
+Report = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShardPlan:
+    """One shard to be made; `index` counts within its split, and enters its seed."""
+
+    split: str
+    index: int
+    count: int
+
+    @property
+    def name(self) -> str:
+        """Stem of its files."""
+        return f"{self.split}-{self.index:05d}"
+
+
+Make = Callable[[ShardPlan, int], tuple[NDArray[np.uint8], NDArray[np.float32]]]
 
 
 def generate_perception(
-    folder: Path, *, images: int, seed: int, jobs: int = -1, report: Callable[[str], None] = print
+    folder: Path, *, images: int, seed: int, jobs: int = -1, report: Report = print
 ) -> Path:
     """Render `images` labelled gate views into `folder` (80 % train, 20 % validation)."""
-    plan = _plan(images, VIEWS_PER_SHARD, PERCEPTION_TRAIN_SHARE)
+    plans = _plan(images, VIEWS_PER_SHARD, PERCEPTION_TRAIN_SHARE)
+    _generate(folder, plans, seed, _make_views, jobs=jobs, report=report)
     about = {"kind": "perception", "seed": seed, "recipe": asdict(ViewRecipe())}
-    _generate(folder, plan, seed, _make_views, jobs=jobs, report=report)
-    names = [name for name, *_ in plan]
-    dataset.write_manifest(folder, names, label_names=LABEL_NAMES, about=about)
+    names = [plan.name for plan in plans]
+    dataset.write_manifest(folder, names, label_names=gate_views.LABEL_NAMES, about=about)
     return folder
 
 
-def _plan(count: int, per_shard: int, train_share: float) -> list[tuple[str, str, int, int]]:
-    """Shards as (name, split, index within the split, count)."""
+def generate_control(
+    folder: Path, *, images: int, seed: int, jobs: int = -1, report: Report = print
+) -> Path:
+    """Fly the expert and record `images` labelled frames (90 % train, 10 % validation)."""
+    plans = _plan(images, FLIGHT_IMAGES_PER_SHARD, CONTROL_TRAIN_SHARE)
+    _generate(folder, plans, seed, _make_flights, jobs=jobs, report=report)
+    about = {"kind": "control", "seed": seed, "recipe": asdict(FlightRecipe())}
+    names = [plan.name for plan in plans]
+    dataset.write_manifest(folder, names, label_names=flights.LABEL_NAMES, about=about)
+    return folder
+
+
+def _plan(count: int, per_shard: int, train_share: float) -> list[ShardPlan]:
     train = round(count * train_share)
-    plan = []
-    for split, total in (("train", train), ("validation", count - train)):
-        for index, start in enumerate(range(0, total, per_shard)):
-            size = min(per_shard, total - start)
-            plan.append((f"{split}-{index:05d}", split, index, size))
-    return plan
+    return [
+        ShardPlan(split=split, index=index, count=min(per_shard, total - start))
+        for split, total in (("train", train), ("validation", count - train))
+        for index, start in enumerate(range(0, total, per_shard))
+    ]
 
 
 def _generate(
-    folder: Path,
-    plan: list[tuple[str, str, int, int]],
-    seed: int,
-    make: MakeShard,
-    *,
-    jobs: int,
-    report: Callable[[str], None],
+    folder: Path, plans: list[ShardPlan], seed: int, make: Make, *, jobs: int, report: Report
 ) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    missing = [shard for shard in plan if not dataset.is_finished(folder, shard[0])]
-    images_left = sum(shard[3] for shard in missing)
+    missing = [plan for plan in plans if not dataset.is_finished(folder, plan.name)]
+    total = sum(plan.count for plan in missing)
     started = time.monotonic()
     done = 0
-    results = Parallel(n_jobs=jobs, return_as="generator_unordered")(
-        delayed(make)(folder, name, split, index, count, seed)
-        for name, split, index, count in missing
+    counts = Parallel(n_jobs=jobs, return_as="generator_unordered")(
+        delayed(_make_shard)(folder, plan, seed, make) for plan in missing
     )
-    for count in results:
+    for count in counts:
         done += count
         rate = done / (time.monotonic() - started)
-        report(f"{folder.name}: {done} of {images_left} images, {rate:.0f} a second")
+        report(f"{folder.name}: {done} of {total} images, {rate:.0f} a second")
 
 
-def _make_views(folder: Path, name: str, split: str, index: int, count: int, seed: int) -> int:
-    rng = np.random.default_rng([seed, SPLITS[split], index])
+def _make_shard(folder: Path, plan: ShardPlan, seed: int, make: Make) -> int:
+    images, labels = make(plan, seed)
+    dataset.write_shard(folder, plan.name, plan.split, images, labels)
+    return plan.count
+
+
+def _make_views(plan: ShardPlan, seed: int) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    rng = np.random.default_rng([seed, SPLITS[plan.split], plan.index])
     renderer = ViewRenderer(ViewRecipe())
-    images = np.empty((count, 64, 64, 3), dtype=np.uint8)
-    labels: NDArray[np.float32] = np.empty((count, len(LABEL_NAMES)), dtype=np.float32)
-    for i in range(count):
-        images[i], labels[i] = renderer.draw(rng)
-    renderer.close()
-    dataset.write_shard(folder, name, split, images, labels)
-    return count
+    try:
+        views = [renderer.draw(rng) for _ in range(plan.count)]
+    finally:
+        renderer.close()
+    return np.stack([image for image, _ in views]), np.stack([label for _, label in views])
+
+
+def _make_flights(plan: ShardPlan, seed: int) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    rng = np.random.default_rng([seed, SPLITS[plan.split], plan.index])
+    images, labels, count = [], [], 0
+    while count < plan.count:
+        flown, commands = fly(rng, FlightRecipe(), tracks=TRACKS[plan.split])
+        images.append(flown)
+        labels.append(commands)
+        count += len(flown)
+    return np.concatenate(images)[: plan.count], np.concatenate(labels)[: plan.count]

@@ -81,7 +81,8 @@ def _record(
 ) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     gates = simulation.course_gates
     noise = _Disturbance(rng, recipe)
-    images, labels = [], []
+    images: list[NDArray[np.uint8]] = []
+    labels: list[NDArray[np.float64]] = []
     simulation.frame_due()
     while len(images) < recipe.frames and simulation.course.state is CourseState.ACTIVE:
         image = simulation.render().rgb

@@ -114,7 +114,8 @@ class ViewRenderer:
         """Blur and add sensor noise to a share of the images."""
         recipe = self._recipe
         if rng.random() < recipe.blur_share:
-            image = cv2.GaussianBlur(image, (0, 0), float(rng.uniform(*recipe.blur_std_px)))
+            std_px = float(rng.uniform(*recipe.blur_std_px))
+            image = np.asarray(cv2.GaussianBlur(image, (0, 0), std_px), dtype=np.uint8)
         if rng.random() < recipe.noise_share:
             noise = rng.standard_normal(image.shape, dtype=np.float32)
             noise *= np.float32(rng.uniform(0.0, recipe.noise_std))
