@@ -24,7 +24,7 @@ class PerceptionSettings:
     weights: LossWeights = field(default_factory=LossWeights)
 
 
-PERCEPTION_EPOCHS = {"quick": 20, "full": 50}
+PERCEPTION_EPOCHS = {"quick": 16, "full": 50}
 MCD_DROPOUT = 0.2
 
 
