@@ -30,6 +30,7 @@ class Airframe:
     rotor_time_constant_down_s: float
     rotor_drag_n_s2_m: float
     linear_drag_n_s_m: Vector3  # along the FRD axes
+    angular_drag_n_m_s: Vector3  # about the FRD axes
     parameters: Mapping[str, float]  # autopilot defaults that this airframe changes
 
     @property
@@ -81,6 +82,7 @@ def parse_airframe(name: str, text: str) -> Airframe:
         rotor_time_constant_down_s=rotors.positive("time_constant_down_s"),
         rotor_drag_n_s2_m=rotors.not_negative("drag_coefficient_n_s2_m"),
         linear_drag_n_s_m=drag.vector3("linear_n_s_m"),
+        angular_drag_n_m_s=drag.vector3("angular_n_m_s"),
         parameters=body.take("parameters", dict),
     )
     for part in (body, rotors, drag):

@@ -145,11 +145,12 @@ class QuadrotorBody:
         wind = self.wind_ned
         vx, vy, vz = self._velocity_ned
         air = rotate_inverse(self._q_ned_frd, (vx - wind[0], vy - wind[1], vz - wind[2]))
-        yaw_rate = self._rates_frd[2]
+        p, q, yaw_rate = self._rates_frd
         drag, k_thrust = self._airframe.rotor_drag_n_s2_m, self._airframe.thrust_coefficient_n_s2
-        frame_drag = self._airframe.linear_drag_n_s_m
-        fx, fy, fz = -frame_drag[0] * air[0], -frame_drag[1] * air[1], -frame_drag[2] * air[2]
-        roll = pitch = yaw = 0.0
+        kx, ky, kz = self._airframe.linear_drag_n_s_m
+        fx, fy, fz = -kx * air[0], -ky * air[1], -kz * air[2]
+        kx, ky, kz = self._airframe.angular_drag_n_m_s
+        roll, pitch, yaw = -kx * p, -ky * q, -kz * yaw_rate
         for (x, y, moment), speed in zip(self._rotors, omega, strict=True):
             thrust = k_thrust * speed * speed
             rotor_drag = drag * speed
