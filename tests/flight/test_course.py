@@ -39,7 +39,7 @@ def test_passes_every_gate_of_the_noise_free_course(noise_free: Ended) -> None:
     assert noise_free.code == 0, noise_free.stderr
     result = noise_free.result
     assert (result["gates_passed"], result["gates_total"]) == (8, 8)
-    assert result["outcome"] == "finished"
+    assert result["outcome"] == "completed"
     assert result["noise"] == [0.0, 0.0]
     assert result["real_time_factor"] > 1.0
 
