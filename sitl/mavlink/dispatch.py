@@ -1,0 +1,125 @@
+"""Hand each received message to the server that answers it, if it is meant for this vehicle."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from sitl.mavlink import file_server, mission_server, time_server
+from sitl.mavlink.camera_component import CameraComponent
+from sitl.mavlink.command_server import CommandServer, is_addressed
+from sitl.mavlink.dialect import AUTOPILOT, CAMERA, REFEREE, Message, mavlink
+from sitl.mavlink.framing import Received
+from sitl.mavlink.ground_station import GroundStationWatch
+from sitl.mavlink.link import Link
+from sitl.mavlink.outgoing import Outgoing, Port
+from sitl.mavlink.parameter_server import ParameterServer
+from sitl.mavlink.referee_component import RefereeComponent
+from sitl.mavlink.request import Request
+from sitl.mavlink.setpoint_server import SetpointServer
+from sitl.mavlink.vehicle import Vehicle
+
+COMMANDS = {mavlink.MAVLINK_MSG_ID_COMMAND_LONG, mavlink.MAVLINK_MSG_ID_COMMAND_INT}
+
+Handler = Callable[[Message, Request], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Servers:
+    """Who answers what."""
+
+    camera: CameraComponent
+    referee: RefereeComponent
+    commands: CommandServer
+    parameters: ParameterServer
+    setpoints: SetpointServer
+    ground_station: GroundStationWatch
+
+
+class Dispatcher:
+    """Route by message and target; what is meant for others falls through."""
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        servers: Servers,
+        outgoing: Outgoing,
+        ports: Mapping[tuple[int, int], Port],  # by link index and component
+        *,
+        system: int,
+    ) -> None:
+        self._vehicle = vehicle
+        self._servers = servers
+        self._outgoing = outgoing
+        self._ports = ports
+        self._system = system
+        self._for_anybody: Mapping[int, Handler] = {
+            mavlink.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED: self._on_setpoint,
+            mavlink.MAVLINK_MSG_ID_TIMESYNC: self._on_timesync,
+            mavlink.MAVLINK_MSG_ID_PING: time_server.answer_ping,
+        }
+        self._for_us = self._addressed_handlers()
+
+    def handle(self, received: Received, link: Link) -> None:
+        """Answer one message."""
+        message = received.message
+        if message.id == mavlink.MAVLINK_MSG_ID_HEARTBEAT:
+            self._on_heartbeat(message, link)
+        elif message.id in COMMANDS:
+            self._on_command(received, link)
+        elif message.id in self._for_anybody:
+            self._for_anybody[message.id](message, self._request(received, link, AUTOPILOT))
+        elif message.id in self._for_us and self._is_ours(message):
+            self._for_us[message.id](message, self._request(received, link, AUTOPILOT))
+
+    def _addressed_handlers(self) -> Mapping[int, Handler]:
+        parameters = self._servers.parameters
+        return {
+            mavlink.MAVLINK_MSG_ID_SET_MODE: self._servers.commands.set_mode,
+            mavlink.MAVLINK_MSG_ID_PARAM_REQUEST_LIST: parameters.request_list,
+            mavlink.MAVLINK_MSG_ID_PARAM_REQUEST_READ: parameters.request_read,
+            mavlink.MAVLINK_MSG_ID_PARAM_SET: parameters.set,
+            mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_LIST: mission_server.answer_list,
+            mavlink.MAVLINK_MSG_ID_MISSION_COUNT: mission_server.answer_upload,
+            mavlink.MAVLINK_MSG_ID_MISSION_CLEAR_ALL: mission_server.answer_clear,
+            mavlink.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL: file_server.answer_file_transfer,
+            mavlink.MAVLINK_MSG_ID_LOG_REQUEST_LIST: file_server.answer_log_list,
+        }
+
+    def _request(self, received: Received, link: Link, component: int) -> Request:
+        return Request(
+            system=received.system,
+            component=received.component,
+            outlet=self._ports[link.index, component],
+            streams=self._outgoing.streams[link.index],
+        )
+
+    def _is_ours(self, message: Message) -> bool:
+        component = getattr(message, "target_component", 0)
+        return message.target_system == self._system and component in (0, AUTOPILOT)
+
+    def _on_heartbeat(self, message: Message, link: Link) -> None:
+        if message.type != mavlink.MAV_TYPE_GCS:
+            return
+        link.gcs_heard = True
+        text = self._servers.ground_station.heard(self._vehicle.time_us)
+        if text is not None:
+            self._outgoing.say(text)
+
+    def _on_command(self, received: Received, link: Link) -> None:
+        message = received.message
+        if is_addressed(message, self._system):
+            self._servers.commands.handle(message, self._request(received, link, AUTOPILOT))
+        elif is_addressed(message, self._system, CAMERA):
+            request = self._request(received, link, CAMERA)
+            self._servers.camera.handle(message, request, self._vehicle.time_us)
+        elif is_addressed(message, self._system, REFEREE):
+            self._servers.referee.handle(message, self._request(received, link, REFEREE))
+
+    def _on_setpoint(self, message: Message, _request: Request) -> None:
+        to_us = message.target_system in (0, self._system)
+        if to_us and message.target_component in (0, AUTOPILOT):
+            text = self._servers.setpoints.handle(message)
+            if text is not None:
+                self._outgoing.say(text)
+
+    def _on_timesync(self, message: Message, request: Request) -> None:
+        time_server.answer_timesync(message, request, self._vehicle.time_us)

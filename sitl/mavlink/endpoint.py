@@ -1,0 +1,123 @@
+"""The vehicle's MAVLink side: its components and servers behind its links.
+
+Whoever runs the vehicle calls `publish` once at each tick and `receive` for a link that has
+something; nothing here waits or looks at the wall clock.
+"""
+
+from collections.abc import Sequence
+
+from sitl.clock import Schedule
+from sitl.mavlink.camera_component import CameraComponent, CameraFacts
+from sitl.mavlink.command_server import CommandServer
+from sitl.mavlink.dialect import AUTOPILOT, CAMERA, REFEREE
+from sitl.mavlink.dispatch import Dispatcher, Servers
+from sitl.mavlink.forwarding import Forwarder
+from sitl.mavlink.ground_station import GroundStationWatch
+from sitl.mavlink.health import heartbeat_now
+from sitl.mavlink.link import Link
+from sitl.mavlink.outgoing import Outgoing, Port
+from sitl.mavlink.parameter_server import ParameterServer
+from sitl.mavlink.referee_component import RefereeComponent
+from sitl.mavlink.setpoint_server import SetpointServer
+from sitl.mavlink.vehicle import Vehicle
+from sitl.mavlink.view import View
+from sitl.records import Frame
+
+COMPONENTS = (AUTOPILOT, CAMERA, REFEREE)
+
+
+class Endpoint:
+    """Everything that the vehicle says and answers."""
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        links: Sequence[Link],
+        *,
+        system: int,
+        camera: CameraFacts,
+        unix_epoch_us: int = 0,
+    ) -> None:
+        self._vehicle = vehicle
+        self._unix_epoch_us = unix_epoch_us
+        self._outgoing = Outgoing(links)
+        self._forwarder = Forwarder(links, system)
+        self._once_a_second = Schedule(1)
+        self._published_us = vehicle.time_us
+        self._servers = Servers(
+            camera=CameraComponent(camera),
+            referee=RefereeComponent(vehicle),
+            commands=CommandServer(vehicle, system),
+            parameters=ParameterServer(vehicle.parameters, self._outgoing.broadcast_packet),
+            setpoints=SetpointServer(vehicle),
+            ground_station=GroundStationWatch(),
+        )
+        ports = {(link.index, c): Port(link, c) for link in links for c in COMPONENTS}
+        self._dispatcher = Dispatcher(vehicle, self._servers, self._outgoing, ports, system=system)
+
+    @property
+    def answered_us(self) -> int:
+        """The stamp of the frame that the last offboard setpoint answers, -1 before the first."""
+        return self._servers.setpoints.answered_us
+
+    @property
+    def is_listing(self) -> bool:
+        """Whether a parameter list is under way."""
+        return self._servers.parameters.is_listing
+
+    def publish(self) -> None:
+        """Send what is due at the present vehicle time."""
+        time_us = self._vehicle.time_us
+        self._outgoing.send_streams(time_us, self._view)
+        self._send_texts()
+        for message in self._servers.referee.events():
+            self._outgoing.broadcast(message, REFEREE)
+        if self._once_a_second.due(time_us):
+            self._publish_each_second(time_us)
+        if self.is_listing:
+            self._servers.parameters.advance(time_us - self._published_us)
+        self._published_us = time_us
+
+    def publish_trigger(self, frame: Frame) -> None:
+        """Announce a camera frame, before its bytes go out."""
+        self._outgoing.broadcast(self._servers.camera.trigger(frame), CAMERA)
+
+    def repeat_heartbeats(self) -> None:
+        """Send every component's HEARTBEAT again: the clock stands, but the vehicle is alive."""
+        self._outgoing.broadcast(heartbeat_now(self._view()))
+        self._broadcast_component_heartbeats()
+
+    def advance_lists(self, elapsed_us: int) -> None:
+        """Send more of the parameter lists while the clock stands."""
+        self._servers.parameters.advance(elapsed_us)
+
+    def receive(self, link: Link) -> bool:
+        """Take one datagram and answer it; False if none waits. Never raises for its content."""
+        messages = link.receive()
+        if messages is None:
+            return False
+        for received in messages:
+            self._forwarder.forward(received, link)
+            self._dispatcher.handle(received, link)
+        if messages:
+            self._send_texts()
+        return True
+
+    def _view(self) -> View:
+        return View(self._vehicle, unix_epoch_us=self._unix_epoch_us)
+
+    def _send_texts(self) -> None:
+        for text in self._vehicle.autopilot.drain_texts():
+            self._outgoing.say(text)
+
+    def _publish_each_second(self, time_us: int) -> None:
+        self._broadcast_component_heartbeats()
+        self._outgoing.broadcast(self._servers.referee.score(), REFEREE)
+        timeout_s = self._vehicle.parameters.get("COM_DL_LOSS_T")
+        text = self._servers.ground_station.check(time_us, timeout_s)
+        if text is not None:
+            self._outgoing.say(text)
+
+    def _broadcast_component_heartbeats(self) -> None:
+        self._outgoing.broadcast(self._servers.camera.heartbeat(), CAMERA)
+        self._outgoing.broadcast(self._servers.referee.heartbeat(), REFEREE)

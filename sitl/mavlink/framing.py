@@ -1,0 +1,136 @@
+"""Turn messages into MAVLink 2 frames, and datagrams of any content into messages.
+
+A message's payload is packed once and framed for each link with that link's own sequence number.
+"""
+
+import operator
+import struct
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple
+
+from pymavlink.generator.mavcrc import x25crc
+
+from sitl.mavlink.dialect import Message, mavlink
+
+MAGIC_V1, MAGIC_V2 = 0xFE, 0xFD
+HEADER = struct.Struct("<BBBBBBBHB")  # the 24-bit message id as 16 + 8
+CHECKSUM = struct.Struct("<H")
+SIGNED = 0x01  # the one incompatibility flag that is defined
+SIGNATURE_BYTES = 13
+MAX_BAD_FRAMES = 8  # in one datagram; what follows is dropped
+
+
+class Packet(NamedTuple):
+    """A message ready to be framed."""
+
+    message_id: int
+    payload: bytes  # trailing zeros removed
+    crc_extra: int
+
+
+class Received(NamedTuple):
+    """A message that came in, with the frame it came in."""
+
+    message: Message
+    raw: bytes
+    system: int
+    component: int
+
+
+_codec = mavlink.MAVLink(None)  # stateless as used here: no key, sequence numbers ignored
+
+
+def pack(message: Message) -> Packet:
+    """Serialise a message's payload."""
+    payload = _serialiser(message.__class__)(message)
+    return Packet(message.id, payload.rstrip(b"\0") or b"\0", message.crc_extra)
+
+
+def frame(packet: Packet, *, sequence: int, system: int, component: int) -> bytes:
+    """Wrap a packet in MAVLink 2 header and checksum."""
+    message_id, payload, crc_extra = packet
+    body = (
+        HEADER.pack(
+            MAGIC_V2,
+            len(payload),
+            0,
+            0,
+            sequence,
+            system,
+            component,
+            message_id & 0xFFFF,
+            message_id >> 16,
+        )
+        + payload
+    )
+    return body + CHECKSUM.pack(_checksum(body[1:] + bytes((crc_extra,))))
+
+
+def split(datagram: bytes) -> list[Received]:
+    """Find the valid frames of known messages in a datagram; never raises."""
+    received: list[Received] = []
+    position = bad = 0
+    while bad < MAX_BAD_FRAMES:
+        position = _next_magic(datagram, position)
+        if position < 0:
+            break
+        raw = _candidate(datagram, position)
+        item = _decode(raw) if raw is not None else None
+        if raw is None or item is None:
+            bad += 1
+            position += 1
+            continue
+        position += len(raw)
+        if not isinstance(item.message, mavlink.MAVLink_unknown):
+            received.append(item)
+    return received
+
+
+def _next_magic(data: bytes, start: int) -> int:
+    places = [p for p in (data.find(MAGIC_V2, start), data.find(MAGIC_V1, start)) if p >= 0]
+    return min(places, default=-1)
+
+
+def _candidate(data: bytes, start: int) -> bytes | None:
+    """Cut out the frame that would begin at `start`; None if it cannot be one."""
+    if len(data) - start < 8:
+        return None
+    if data[start] == MAGIC_V1:
+        end = start + 8 + data[start + 1]
+    else:
+        flags = data[start + 2]
+        if flags & ~SIGNED:
+            return None
+        end = start + 12 + data[start + 1] + (SIGNATURE_BYTES if flags & SIGNED else 0)
+    return data[start:end] if end <= len(data) else None
+
+
+def _decode(raw: bytes) -> Received | None:
+    try:
+        message = _codec.decode(bytearray(raw))
+    except mavlink.MAVError:
+        return None
+    system, component = (raw[3], raw[4]) if raw[0] == MAGIC_V1 else (raw[5], raw[6])
+    return Received(message, raw, system, component)
+
+
+def _checksum(data: bytes) -> int:
+    return int(x25crc(data).crc)
+
+
+@cache
+def _serialiser(message_type: Any) -> Callable[[Message], bytes]:
+    """Choose how to pack a type: directly if its fields are all scalars, else by its own pack."""
+    pack_values = message_type.unpacker.pack
+    names = message_type.ordered_fieldnames
+    if len(names) == len(message_type.unpacker.unpack(bytes(message_type.unpacker.size))):
+        fields = operator.attrgetter(*names)
+        if len(names) > 1 and "char" not in message_type.fieldtypes:
+            return lambda message: bytes(pack_values(*fields(message)))
+    return _pack_arrays
+
+
+def _pack_arrays(message: Message) -> bytes:
+    message.pack(_codec)
+    return bytes(message.get_payload())

@@ -1,0 +1,73 @@
+"""The referee as a MAVLink component of its own, so that it never mixes with a mission.
+
+A passed gate is its MISSION_ITEM_REACHED (seq counts from 0), the score its MISSION_CURRENT (seq:
+gates passed; total; state ACTIVE, COMPLETE at the end of the course, PAUSED once it is failed),
+and every event a STATUSTEXT.
+"""
+
+from sitl.mavlink.command_server import ACCEPTED, DENIED, UNSUPPORTED, acknowledge
+from sitl.mavlink.dialect import Message, mavlink
+from sitl.mavlink.health import component_heartbeat
+from sitl.mavlink.request import Request
+from sitl.mavlink.texts import statustexts
+from sitl.mavlink.vehicle import Vehicle
+from sitl.records import CourseEvent, CourseEventKind, CourseState, CourseStatus
+
+WARNING, NOTICE, INFO = 4, 5, 6  # MAV_SEVERITY
+SEVERITIES = {
+    CourseEventKind.PASSED: INFO,
+    CourseEventKind.FINISHED: NOTICE,
+    CourseEventKind.MISSED: WARNING,
+    CourseEventKind.COLLISION: WARNING,
+}
+STATES = {
+    CourseState.ACTIVE: mavlink.MISSION_STATE_ACTIVE,
+    CourseState.FINISHED: mavlink.MISSION_STATE_COMPLETE,
+    CourseState.FAILED: mavlink.MISSION_STATE_PAUSED,
+}
+
+
+class RefereeComponent:
+    """Put the course's events and score on the wire."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._vehicle = vehicle
+        self._texts = 0
+
+    def heartbeat(self) -> Message:
+        """Say that the referee is there."""
+        return component_heartbeat(mavlink.MAV_TYPE_GENERIC)
+
+    def score(self) -> Message:
+        """Encode the score so far."""
+        return encode_score(self._vehicle.course)
+
+    def events(self) -> list[Message]:
+        """Encode what has happened since the last call; empty if nothing has."""
+        events = self._vehicle.drain_course_events()
+        messages = [message for event in events for message in self._encode(event)]
+        return [*messages, self.score()] if messages else []
+
+    def handle(self, message: Message, request: Request) -> None:
+        """Answer a command addressed to the referee."""
+        if message.command != mavlink.MAV_CMD_REQUEST_MESSAGE:
+            acknowledge(request, message.command, UNSUPPORTED)
+            return
+        known = message.param1 == mavlink.MAVLINK_MSG_ID_MISSION_CURRENT
+        if known:
+            request.outlet.send(self.score())
+        acknowledge(request, message.command, ACCEPTED if known else DENIED)
+
+    def _encode(self, event: CourseEvent) -> list[Message]:
+        texts = statustexts(SEVERITIES[event.kind], event.text, self._texts)
+        self._texts = (self._texts + 1) & 0xFFFF
+        if event.kind is CourseEventKind.PASSED:
+            return [mavlink.MAVLink_mission_item_reached_message(event.gate), *texts]
+        return texts
+
+
+def encode_score(course: CourseStatus) -> Message:
+    """MISSION_CURRENT of the course."""
+    return mavlink.MAVLink_mission_current_message(
+        course.gates_passed, course.gates_total, STATES[course.state]
+    )

@@ -1,0 +1,91 @@
+"""Take offboard setpoints: SET_POSITION_TARGET_LOCAL_NED, by PX4's rules.
+
+Local NED: every axis may be ignored by itself. Body NED (turned by the heading alone, at
+reception): position never counts, and one ignored velocity axis drops the whole velocity;
+likewise acceleration. A setpoint that says nothing is refused with a text, like foreign frames.
+"""
+
+import math
+
+from sitl.mavlink.dialect import Message, mavlink
+from sitl.mavlink.vehicle import Vehicle
+from sitl.records import StatusText, Vector3
+from sitl.vehicle_records import NAN_VECTOR, OffboardSetpoint
+
+CRITICAL = 2  # MAV_SEVERITY
+ABSURD = 1e6  # m, m/s, m/s2, rad: beyond it a number is taken as missing
+VELOCITY_BIT, ACCELERATION_BIT = 3, 6  # where each triple begins in the type mask
+YAW_IGNORED, YAW_RATE_IGNORED = 1 << 10, 1 << 11
+FORCE = 1 << 9
+NAME = "SET_POSITION_TARGET_LOCAL_NED"
+
+
+class SetpointServer:
+    """Pass setpoints to the autopilot, and remember which camera frame the last one answers."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._vehicle = vehicle
+        self.answered_us = -1  # time_boot_ms of the last one addressed to us, refused or not
+
+    def handle(self, message: Message) -> StatusText | None:
+        """Take one message addressed to us; the text says why it was refused."""
+        self.answered_us = message.time_boot_ms * 1000
+        autopilot = self._vehicle.autopilot
+        setpoint = interpret(message, time_us=self._vehicle.time_us, yaw_rad=autopilot.yaw_rad)
+        if isinstance(setpoint, StatusText):
+            return setpoint
+        autopilot.offboard_setpoint(setpoint)
+        return None
+
+
+def interpret(message: Message, *, time_us: int, yaw_rad: float) -> OffboardSetpoint | StatusText:
+    """Turn a message into a setpoint in local NED, or say why not."""
+    mask = message.type_mask
+    position = _triple((message.x, message.y, message.z), mask)
+    velocity = _triple((message.vx, message.vy, message.vz), mask >> VELOCITY_BIT)
+    acceleration = _triple((message.afx, message.afy, message.afz), mask >> ACCELERATION_BIT)
+    if message.coordinate_frame == mavlink.MAV_FRAME_BODY_NED:
+        position = NAN_VECTOR
+        velocity = _from_body(velocity, mask >> VELOCITY_BIT, yaw_rad)
+        acceleration = _from_body(acceleration, mask >> ACCELERATION_BIT, yaw_rad)
+    elif message.coordinate_frame != mavlink.MAV_FRAME_LOCAL_NED:
+        return _refused(f"coordinate frame {message.coordinate_frame} unsupported")
+    if mask & FORCE and not _is_missing(acceleration):
+        return _refused("force not supported")
+    if all(_is_missing(triple) for triple in (position, velocity, acceleration)):
+        return _refused("invalid")
+    return OffboardSetpoint(
+        time_us=time_us,
+        position_ned=position,
+        velocity_ned=velocity,
+        acceleration_ned=acceleration,
+        yaw_rad=_number(message.yaw, ignored=bool(mask & YAW_IGNORED)),
+        yaw_rate_rad_s=_number(message.yaw_rate, ignored=bool(mask & YAW_RATE_IGNORED)),
+    )
+
+
+def _refused(reason: str) -> StatusText:
+    return StatusText(severity=CRITICAL, text=f"{NAME} {reason}")
+
+
+def _number(value: float, *, ignored: bool) -> float:
+    """Give the value, or NaN if it is ignored, not finite or absurd."""
+    return value if not ignored and abs(value) <= ABSURD else math.nan
+
+
+def _triple(values: Vector3, mask: int) -> Vector3:
+    x, y, z = (_number(value, ignored=bool(mask >> axis & 1)) for axis, value in enumerate(values))
+    return (x, y, z)
+
+
+def _is_missing(triple: Vector3) -> bool:
+    return all(math.isnan(value) for value in triple)
+
+
+def _from_body(triple: Vector3, mask: int, yaw_rad: float) -> Vector3:
+    """Turn a yaw-aligned body triple into NED; nothing of it if any axis is ignored."""
+    if mask & 0b111:
+        return NAN_VECTOR
+    forward, right, down = triple
+    cos_yaw, sin_yaw = math.cos(yaw_rad), math.sin(yaw_rad)
+    return (cos_yaw * forward - sin_yaw * right, sin_yaw * forward + cos_yaw * right, down)

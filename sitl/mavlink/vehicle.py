@@ -1,0 +1,90 @@
+"""What the MAVLink side needs of the vehicle: the face that the simulation shows it."""
+
+from typing import Protocol
+
+from sitl.records import CourseEvent, CourseStatus, Estimate, StatusText, VehicleState
+from sitl.vehicle_records import (
+    Command,
+    CommandResult,
+    OffboardSetpoint,
+    SetpointEcho,
+    VehicleStatus,
+)
+
+
+class Parameters(Protocol):
+    """A table of typed parameters under PX4's names."""
+
+    @property
+    def version(self) -> int:
+        """Counts the changes."""
+
+    def __contains__(self, name: object) -> bool: ...
+
+    def names(self) -> list[str]:
+        """All names in the order of their index."""
+
+    def get(self, name: str) -> float:
+        """Give the value: an int for INT32."""
+
+    def type_of(self, name: str) -> int:
+        """MAV_PARAM_TYPE: INT32 (6) or REAL32 (9)."""
+
+    def set(self, name: str, value: float) -> None:
+        """Change a value; raises UsageError if it is not allowed."""
+
+
+class Autopilot(Protocol):
+    """Whoever flies the vehicle."""
+
+    @property
+    def status(self) -> VehicleStatus:
+        """Modes, health and outputs now."""
+
+    @property
+    def setpoint_echo(self) -> SetpointEcho:
+        """What the controllers follow now."""
+
+    @property
+    def yaw_rad(self) -> float:
+        """Estimated heading."""
+
+    def command(self, command: Command) -> CommandResult | None:
+        """Carry out a command; None where PX4 stays silent."""
+
+    def offboard_setpoint(self, setpoint: OffboardSetpoint) -> None:
+        """Take the newest offboard setpoint."""
+
+    def drain_texts(self) -> list[StatusText]:
+        """Hand over what it has said since the last call."""
+
+
+class Vehicle(Protocol):
+    """One simulated vehicle on its course."""
+
+    @property
+    def time_us(self) -> int:
+        """Vehicle time since boot."""
+
+    @property
+    def state(self) -> VehicleState:
+        """The truth."""
+
+    @property
+    def estimate(self) -> Estimate:
+        """What the autopilot believes."""
+
+    @property
+    def autopilot(self) -> Autopilot:
+        """Whoever flies it."""
+
+    @property
+    def parameters(self) -> Parameters:
+        """Its parameters."""
+
+    @property
+    def course(self) -> CourseStatus:
+        """The score so far."""
+
+    def drain_course_events(self) -> list[CourseEvent]:
+        """Hand over what the referee saw since the last call."""
