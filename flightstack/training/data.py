@@ -7,6 +7,7 @@ any number of cores, and an interrupted run goes on where it stopped.
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,9 @@ from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from flightstack.training import dataset, flights, gate_views
-from flightstack.training.flights import FlightRecipe, fly
-from flightstack.training.gate_views import ViewRecipe, ViewRenderer
+from flightstack.training.flights import fly
+from flightstack.training.gate_views import ViewRenderer
+from flightstack.training.recipe import Recipe
 from flightstack.training.seeds import TRAINING_TRACKS, VALIDATION_TRACKS
 
 SPLITS = {"train": 1, "validation": 2}  # the numbers enter the seeds
@@ -42,28 +44,50 @@ class ShardPlan:
         return f"{self.split}-{self.index:05d}"
 
 
-Make = Callable[[ShardPlan, int], tuple[NDArray[np.uint8], NDArray[np.float32]]]
+Make = Callable[[ShardPlan], tuple[NDArray[np.uint8], NDArray[np.float32]]]
 
 
 def generate_perception(
-    folder: Path, *, images: int, seed: int, jobs: int = -1, report: Report = print
+    folder: Path,
+    recipe: Recipe,
+    *,
+    images: int,
+    seed: int,
+    jobs: int = -1,
+    report: Report = print,
 ) -> Path:
     """Render `images` labelled gate views into `folder` (80 % train, 20 % validation)."""
     plans = _plan(images, VIEWS_PER_SHARD, PERCEPTION_TRAIN_SHARE)
-    _generate(folder, plans, seed, _make_views, jobs=jobs, report=report)
-    about = {"kind": "perception", "seed": seed, "recipe": asdict(ViewRecipe())}
+    _generate(folder, plans, partial(_make_views, recipe=recipe, seed=seed), jobs, report)
+    about = {
+        "kind": "perception",
+        "recipe": recipe.name,
+        "seed": seed,
+        "settings": asdict(recipe.views),
+    }
     names = [plan.name for plan in plans]
     dataset.write_manifest(folder, names, label_names=gate_views.LABEL_NAMES, about=about)
     return folder
 
 
 def generate_control(
-    folder: Path, *, images: int, seed: int, jobs: int = -1, report: Report = print
+    folder: Path,
+    recipe: Recipe,
+    *,
+    images: int,
+    seed: int,
+    jobs: int = -1,
+    report: Report = print,
 ) -> Path:
     """Fly the expert and record `images` labelled frames (90 % train, 10 % validation)."""
     plans = _plan(images, FLIGHT_IMAGES_PER_SHARD, CONTROL_TRAIN_SHARE)
-    _generate(folder, plans, seed, _make_flights, jobs=jobs, report=report)
-    about = {"kind": "control", "seed": seed, "recipe": asdict(FlightRecipe())}
+    _generate(folder, plans, partial(_make_flights, recipe=recipe, seed=seed), jobs, report)
+    about = {
+        "kind": "control",
+        "recipe": recipe.name,
+        "seed": seed,
+        "settings": asdict(recipe.flights),
+    }
     names = [plan.name for plan in plans]
     dataset.write_manifest(folder, names, label_names=flights.LABEL_NAMES, about=about)
     return folder
@@ -78,16 +102,14 @@ def _plan(count: int, per_shard: int, train_share: float) -> list[ShardPlan]:
     ]
 
 
-def _generate(
-    folder: Path, plans: list[ShardPlan], seed: int, make: Make, *, jobs: int, report: Report
-) -> None:
+def _generate(folder: Path, plans: list[ShardPlan], make: Make, jobs: int, report: Report) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     missing = [plan for plan in plans if not dataset.is_finished(folder, plan.name)]
     total = sum(plan.count for plan in missing)
     started = time.monotonic()
     done = 0
     counts = Parallel(n_jobs=jobs, return_as="generator_unordered")(
-        delayed(_make_shard)(folder, plan, seed, make) for plan in missing
+        delayed(_make_shard)(folder, plan, make) for plan in missing
     )
     for count in counts:
         done += count
@@ -95,15 +117,17 @@ def _generate(
         report(f"{folder.name}: {done} of {total} images, {rate:.0f} a second")
 
 
-def _make_shard(folder: Path, plan: ShardPlan, seed: int, make: Make) -> int:
-    images, labels = make(plan, seed)
+def _make_shard(folder: Path, plan: ShardPlan, make: Make) -> int:
+    images, labels = make(plan)
     dataset.write_shard(folder, plan.name, plan.split, images, labels)
     return plan.count
 
 
-def _make_views(plan: ShardPlan, seed: int) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+def _make_views(
+    plan: ShardPlan, recipe: Recipe, seed: int
+) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     rng = np.random.default_rng([seed, SPLITS[plan.split], plan.index])
-    renderer = ViewRenderer(ViewRecipe())
+    renderer = ViewRenderer(recipe.views)
     try:
         views = [renderer.draw(rng) for _ in range(plan.count)]
     finally:
@@ -111,11 +135,13 @@ def _make_views(plan: ShardPlan, seed: int) -> tuple[NDArray[np.uint8], NDArray[
     return np.stack([image for image, _ in views]), np.stack([label for _, label in views])
 
 
-def _make_flights(plan: ShardPlan, seed: int) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+def _make_flights(
+    plan: ShardPlan, recipe: Recipe, seed: int
+) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     rng = np.random.default_rng([seed, SPLITS[plan.split], plan.index])
     images, labels, count = [], [], 0
     while count < plan.count:
-        flown, commands = fly(rng, FlightRecipe(), tracks=TRACKS[plan.split])
+        flown, commands = fly(rng, recipe.flights, tracks=TRACKS[plan.split])
         images.append(flown)
         labels.append(commands)
         count += len(flown)

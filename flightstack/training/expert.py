@@ -1,4 +1,4 @@
-"""The expert pilot: full knowledge of the gates, velocity commands that a camera could justify.
+"""The funnel expert: full knowledge of the gates, commands that a single image could justify.
 
 The command depends on the pose alone, never on the velocity, because a policy that sees one
 image cannot know it. In the frame of the gate that is due, the vehicle is drawn onto the gate's
@@ -9,12 +9,22 @@ nose points at the gate, and over the last metres turns to the one after it.
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.frames import body_from_ned, wrap_pi
-from sitl.records import Gate, Vector3
+from sitl.frames import yaw_of
+from sitl.records import Gate, Vector3, VehicleState
+
+
+class Expert(Protocol):
+    """A pilot that knows where the gates are."""
+
+    def command(self, state: VehicleState, gate: Gate, following: Gate) -> NDArray[np.float64]:
+        """Command (4,) for a state: vx, vy, vz (m/s, yaw-aligned body), yaw rate (rad/s)."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,6 +41,18 @@ class ExpertConfig:
     turn_distance_m: float = 2.0  # from here on the nose turns to the following gate
     yaw_gain_1_s: float = 1.5
     most_yaw_rate_rad_s: float = 1.0
+
+
+class FunnelExpert:
+    """The expert of this file behind the interface that the data generation flies."""
+
+    def __init__(self, config: ExpertConfig | None = None) -> None:
+        self._config = config or ExpertConfig()
+
+    def command(self, state: VehicleState, gate: Gate, following: Gate) -> NDArray[np.float64]:
+        """Command (4,) for where the vehicle is."""
+        yaw_rad = yaw_of(state.q_ned_frd)
+        return expert_command(state.position_ned, yaw_rad, gate, following, self._config)
 
 
 def expert_command(

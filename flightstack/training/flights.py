@@ -6,13 +6,14 @@ random disturbance, while the label stays the clean command for where it has bee
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.frames import ned_from_body
-from flightstack.training.expert import ExpertConfig, expert_command
+from flightstack.training.expert import Expert, FunnelExpert
+from flightstack.training.minimum_jerk import MinimumJerkExpert
+from flightstack.training.recipe import FlightRecipe
 from flightstack.training.seeds import TRAINING_TRACKS
 from sitl.frames import yaw_of
 from sitl.records import CourseState, Gate, Vector3
@@ -21,25 +22,8 @@ from sitl.vehicle_records import OffboardSetpoint
 from sitl.world.track import GATE_HEIGHT_M, GATES_PER_LAP
 
 LABEL_NAMES = ("vx", "vy", "vz", "yaw_rate")
+START_SPEED_M_S = (0.0, 2.0)  # of a flight that starts before a gate
 Pilot = Callable[[NDArray[np.uint8]], NDArray[np.float64]]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FlightRecipe:
-    """Which courses are flown, from where, and how much the vehicle is disturbed."""
-
-    most_radius_noise_m: float = 1.5
-    most_height_noise_m: float = 3.0
-    frames: int = 160  # of one flight, 8 s
-    start_at_spawn_share: float = 0.35  # the rest starts before a random gate
-    start_ahead_m: tuple[float, float] = (1.5, 6.0)
-    start_spread_m: float = 0.5  # standard deviation across the axis, far from the gate
-    start_yaw_std_rad: float = 0.25
-    calm_share: float = 0.25  # of the flights, flown without execution noise
-    noise_std: tuple[float, float, float, float] = (0.4, 0.5, 0.35, 0.3)  # m/s, rad/s
-    noise_time_constant_s: float = 0.8
-    lost_frames: int = 8  # dropped before a collision or a miss: nobody could have helped
-    expert: ExpertConfig = ExpertConfig()  # noqa: RUF009 - frozen, so shared safely
 
 
 def fly(
@@ -80,6 +64,7 @@ def _record(
     pilot: Pilot | None,
 ) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     gates = simulation.course_gates
+    expert = _make_expert(recipe.expert)
     noise = _Disturbance(rng, recipe)
     images: list[NDArray[np.uint8]] = []
     labels: list[NDArray[np.float64]] = []
@@ -87,12 +72,11 @@ def _record(
     while len(images) < recipe.frames and simulation.course.state is CourseState.ACTIVE:
         image = simulation.render().rgb
         due = simulation.course.gates_passed
-        position, yaw = simulation.state.position_ned, yaw_of(simulation.state.q_ned_frd)
         gate, following = gates[due % len(gates)], gates[(due + 1) % len(gates)]
-        label = expert_command(position, yaw, gate, following, recipe.expert)
+        label = expert.command(simulation.state, gate, following)
         images.append(image)
         labels.append(label)
-        _command(simulation, label + noise.draw() if pilot is None else pilot(image), yaw)
+        _command(simulation, label + noise.draw() if pilot is None else pilot(image))
         while True:
             simulation.step()
             if simulation.frame_due():
@@ -116,7 +100,7 @@ def _take_off(
         return
     position, bearing = _before(simulation.course_gates[0], rng, recipe)
     yaw = bearing + float(rng.normal(0.0, recipe.start_yaw_std_rad))
-    simulation.start_airborne(position, yaw, float(rng.uniform(0.0, recipe.expert.speed_m_s)))
+    simulation.start_airborne(position, yaw, float(rng.uniform(*START_SPEED_M_S)))
 
 
 def _before(gate: Gate, rng: np.random.Generator, recipe: FlightRecipe) -> tuple[Vector3, float]:
@@ -152,7 +136,12 @@ class _Disturbance:
         return self._value
 
 
-def _command(simulation: Simulation, command: NDArray[np.float64], yaw_rad: float) -> None:
+def _make_expert(name: str) -> Expert:
+    return MinimumJerkExpert() if name == "minimum-jerk" else FunnelExpert()
+
+
+def _command(simulation: Simulation, command: NDArray[np.float64]) -> None:
+    yaw_rad = yaw_of(simulation.state.q_ned_frd)
     vx, vy, vz, yaw_rate = (float(value) for value in command)
     simulation.autopilot.offboard_setpoint(
         OffboardSetpoint(

@@ -1,17 +1,16 @@
 """Perception data: single images of gates with the pose of the nearest one.
 
 Every image has a look, an attitude and a height of its own. The labelled gate's direction is
-drawn over the whole field of view, its range log-uniformly (near gates fill the image and decide
-the passage); farther gates stand behind it as distractors, as on a course.
+drawn over the field of view, and farther gates may stand behind it as distractors, as on a course.
 """
 
 import math
-from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.training.recipe import ViewRecipe
 from sitl.frames import euler_from_quaternion, quaternion_from_euler, rotate, wrap_pi
 from sitl.records import Gate, Quaternion, Vector3
 from sitl.sensors.camera import Camera
@@ -19,26 +18,6 @@ from sitl.sensors.look import draw_look
 
 LABEL_NAMES = ("range_m", "azimuth_rad", "elevation_rad", "gate_yaw_rad")
 PARKED_NED = (0.0, 0.0, 1000.0)  # where gates wait that are not in the image
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ViewRecipe:
-    """The ranges that views are drawn from."""
-
-    range_m: tuple[float, float] = (0.4, 14.0)
-    azimuth_rad: float = math.radians(43.0)  # +-; the field of view is +-45 degrees
-    elevation_rad: float = math.radians(40.0)  # +-
-    gate_yaw_rad: float = math.radians(90.0)  # +-, for the uniform share
-    gate_yaw_std_rad: float = math.radians(35.0)  # for the rest, which sees gates face on
-    gate_yaw_uniform_share: float = 0.3
-    tilt_rad: float = math.radians(18.0)  # +- roll and pitch
-    height_m: tuple[float, float] = (0.5, 8.0)  # camera above ground
-    most_distractors: int = 3
-    distractor_gap_m: tuple[float, float] = (1.5, 14.0)  # how much farther than the labelled gate
-    blur_share: float = 0.3
-    blur_std_px: tuple[float, float] = (0.3, 1.0)
-    noise_share: float = 0.5
-    noise_std: float = 6.0  # of 255
 
 
 class ViewRenderer:
@@ -82,7 +61,7 @@ class ViewRenderer:
     ) -> tuple[Gate, NDArray[np.float32]]:
         recipe = self._recipe
         while True:
-            range_m = math.exp(float(rng.uniform(*np.log(recipe.range_m))))
+            range_m = _draw_range(rng, recipe)
             azimuth = float(rng.uniform(-recipe.azimuth_rad, recipe.azimuth_rad))
             elevation = float(rng.uniform(-recipe.elevation_rad, recipe.elevation_rad))
             centre = _place(position, attitude, range_m, azimuth, elevation)
@@ -121,6 +100,12 @@ class ViewRenderer:
             noise *= np.float32(rng.uniform(0.0, recipe.noise_std))
             image = np.clip(np.rint(image + noise), 0, 255).astype(np.uint8)
         return image
+
+
+def _draw_range(rng: np.random.Generator, recipe: ViewRecipe) -> float:
+    if recipe.range_uniform:
+        return float(rng.uniform(*recipe.range_m))
+    return math.exp(float(rng.uniform(*np.log(recipe.range_m))))
 
 
 def _place(

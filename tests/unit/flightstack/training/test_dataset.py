@@ -3,21 +3,24 @@ import pytest
 
 from flightstack.errors import UsageError
 from flightstack.training import data, dataset
+from flightstack.training.recipe import Recipe
+
+STRONG = Recipe.load("strong")
 
 
 @pytest.fixture
 def folder(tmp_path):
     folder = tmp_path / "views"
-    data.generate_perception(folder, images=40, seed=3, jobs=1, report=lambda _: None)
+    data.generate_perception(folder, STRONG, images=40, seed=3, jobs=1, report=lambda _: None)
     return folder
 
 
 def test_the_same_seed_gives_the_same_bytes_and_another_does_not(folder, tmp_path):
     again = data.generate_perception(
-        tmp_path / "again", images=40, seed=3, jobs=1, report=lambda _: None
+        tmp_path / "again", STRONG, images=40, seed=3, jobs=1, report=lambda _: None
     )
     other = data.generate_perception(
-        tmp_path / "other", images=40, seed=4, jobs=1, report=lambda _: None
+        tmp_path / "other", STRONG, images=40, seed=4, jobs=1, report=lambda _: None
     )
     first = dataset.read_dataset(folder)
     assert first.sha256 == dataset.read_dataset(again).sha256
@@ -37,7 +40,7 @@ def test_an_unfinished_shard_is_made_again_and_a_finished_one_kept(folder):
     before = dataset.read_dataset(folder).sha256
     kept = (folder / "train-00000.json").stat().st_mtime_ns
     (folder / "validation-00000.json").unlink()
-    data.generate_perception(folder, images=40, seed=3, jobs=1, report=lambda _: None)
+    data.generate_perception(folder, STRONG, images=40, seed=3, jobs=1, report=lambda _: None)
     assert dataset.read_dataset(folder).sha256 == before
     assert (folder / "train-00000.json").stat().st_mtime_ns == kept
 

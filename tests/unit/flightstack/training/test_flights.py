@@ -1,12 +1,14 @@
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from flightstack.training.flights import FlightRecipe, fly
+from flightstack.training.flights import fly
+from flightstack.training.recipe import Recipe
 from flightstack.training.seeds import TEST_TRACKS, TRAINING_TRACKS, VALIDATION_TRACKS
 
-SHORT = FlightRecipe(frames=30)
+SHORT = replace(Recipe.load("strong").flights, frames=30)
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,127 @@
+"""Recipes of training data: TOML files that explain their choices, read into checked records."""
+
+import math
+import tomllib
+from dataclasses import MISSING, dataclass, fields
+from importlib.resources import files
+from typing import Any, Self, TypeVar, get_args
+
+from flightstack.errors import UsageError
+
+EXPERTS = ("funnel", "minimum-jerk")
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ViewRecipe:
+    """The ranges that gate views are drawn from."""
+
+    range_m: tuple[float, float]
+    range_uniform: bool = False  # else log-uniform
+    azimuth_rad: float  # +-
+    elevation_rad: float  # +-
+    gate_yaw_rad: float  # +-, for the uniform share
+    gate_yaw_std_rad: float  # for the rest
+    gate_yaw_uniform_share: float
+    tilt_rad: float  # +- roll and pitch
+    height_m: tuple[float, float]  # camera above ground
+    most_distractors: int
+    distractor_gap_m: tuple[float, float]  # how much farther than the labelled gate
+    blur_share: float
+    blur_std_px: tuple[float, float]
+    noise_share: float
+    noise_std: float  # of 255
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightRecipe:
+    """Which courses the expert flies, from where, and how much it is disturbed."""
+
+    expert: str  # one of EXPERTS
+    most_radius_noise_m: float
+    most_height_noise_m: float
+    frames: int  # of one flight
+    start_at_spawn_share: float  # the rest starts before a random gate
+    start_ahead_m: tuple[float, float]
+    start_spread_m: float  # standard deviation across the axis, at the farthest start
+    start_yaw_std_rad: float
+    calm_share: float  # of the flights, flown without execution noise
+    noise_std: tuple[float, float, float, float]  # m/s, m/s, m/s, rad/s
+    noise_time_constant_s: float
+    lost_frames: int  # dropped before a collision or a miss
+
+    def __post_init__(self) -> None:
+        """Check what the type alone does not."""
+        if self.expert not in EXPERTS:
+            raise UsageError(f"flights.expert: '{self.expert}' is none of {', '.join(EXPERTS)}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recipe:
+    """How to make both datasets."""
+
+    name: str
+    views: ViewRecipe
+    flights: FlightRecipe
+
+    @classmethod
+    def load(cls, name: str) -> Self:
+        """Read `recipes/<name>.toml`.
+
+        Raises:
+            UsageError: the recipe is unknown, or a key of it is missing, unknown or ill typed.
+
+        """
+        folder = files("flightstack.training") / "recipes"
+        file = folder / f"{name}.toml"
+        if not file.is_file():
+            known = ", ".join(sorted(f.name.removesuffix(".toml") for f in folder.iterdir()))
+            raise UsageError(f"recipe '{name}': unknown; known are: {known}")
+        return cls.parse(name, file.read_text())
+
+    @classmethod
+    def parse(cls, name: str, text: str) -> Self:
+        """Build a recipe from TOML text; angles are given in degrees there, with names in _deg."""
+        try:
+            table = tomllib.loads(text)
+        except tomllib.TOMLDecodeError as error:
+            raise UsageError(f"recipe {name}: not TOML: {error}") from error
+        if set(table) != {"views", "flights"}:
+            raise UsageError(f"recipe {name}: expected [views] and [flights], got {sorted(table)}")
+        return cls(
+            name=name,
+            views=_build(ViewRecipe, table["views"], f"recipe {name}: views"),
+            flights=_build(FlightRecipe, table["flights"], f"recipe {name}: flights"),
+        )
+
+
+def _build(record: type[T], table: dict[str, Any], where: str) -> T:
+    values = {}
+    for key, value in table.items():
+        in_radians = key.endswith("_deg")
+        name = key.removesuffix("_deg") + "_rad" if in_radians else key
+        values[name] = math.radians(value) if in_radians else value
+    known = {field.name: field for field in fields(record)}  # type: ignore[arg-type]
+    unknown = sorted(set(values) - set(known))
+    missing = sorted(
+        name for name, field in known.items() if field.default is MISSING and name not in values
+    )
+    if unknown or missing:
+        what = f"unknown {', '.join(unknown)}" if unknown else f"missing {', '.join(missing)}"
+        raise UsageError(f"{where}: {what}; known are: {', '.join(known)}")
+    checked = {name: _typed(values[name], known[name].type, f"{where}.{name}") for name in values}
+    return record(**checked)
+
+
+def _typed(value: Any, wanted: Any, where: str) -> Any:
+    """Check one value against its field's type; lists become tuples, integers floats."""
+    parts = get_args(wanted)
+    if parts:
+        if not isinstance(value, list) or len(value) != len(parts):
+            raise UsageError(f"{where}: expected {len(parts)} numbers, got {value}")
+        return tuple(_typed(item, part, where) for item, part in zip(value, parts, strict=True))
+    if wanted is float and type(value) is int:
+        return float(value)
+    if type(value) is not wanted or (wanted is float and not math.isfinite(value)):
+        raise UsageError(f"{where}: expected {wanted.__name__}, got {value!r}")
+    return value

@@ -1,0 +1,44 @@
+import math
+from importlib.resources import files
+
+import pytest
+
+from flightstack.errors import UsageError
+from flightstack.training.recipe import Recipe
+
+STRONG_TEXT = (files("flightstack.training") / "recipes" / "strong.toml").read_text()
+
+
+def test_the_paper_shows_one_gate_and_never_disturbs_its_expert():
+    recipe = Recipe.load("paper")
+    assert recipe.views.most_distractors == 0
+    assert recipe.flights.noise_std == (0.0, 0.0, 0.0, 0.0)
+    assert recipe.flights.expert == "minimum-jerk"
+
+
+def test_degrees_become_radians():
+    assert Recipe.load("strong").views.tilt_rad == pytest.approx(math.radians(18.0))
+
+
+def test_an_unknown_recipe_names_the_known():
+    with pytest.raises(UsageError, match="paper, strong"):
+        Recipe.load("weak")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "match"),
+    [
+        ("tilt_deg = 18.0", "tilt_deg = 18.0\nspeed = 3", "unknown speed"),
+        ("tilt_deg = 18.0", "", "missing tilt_rad"),
+        ("height_m = [0.5, 8.0]", "height_m = [0.5]", "expected 2 numbers"),
+        ("most_distractors = 3", "most_distractors = 2.5", "expected int"),
+        ("noise_share = 0.5", "noise_share = nan", "expected float"),
+        ('expert = "funnel"', 'expert = "lucky"', "none of funnel, minimum-jerk"),
+        ("[flights]", "[planes]", r"expected \[views\] and \[flights\]"),
+        ("range_m = [", "range_m = [[", "not TOML"),
+    ],
+)
+def test_a_wrong_line_is_named(old, new, match):
+    assert old in STRONG_TEXT
+    with pytest.raises(UsageError, match=match):
+        Recipe.parse("mine", STRONG_TEXT.replace(old, new, 1))
