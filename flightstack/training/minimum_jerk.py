@@ -2,7 +2,8 @@
 
 Within half a metre of a gate's centre the next segment begins, to the following gate's centre: a
 quintic in each axis that starts at the vehicle's position and velocity, and arrives along the
-gate's axis. Its duration is the shortest that keeps speed and acceleration below their limits.
+gate's axis. Its duration is the shortest that keeps speed and acceleration below their limits and
+the mean speed at the lineage's.
 
 References:
     Bonatti et al. 2020, Learning visuomotor policies for aerial navigation using cross-modal
@@ -23,12 +24,13 @@ from sitl.records import Gate, VehicleState
 REPLAN_DISTANCE_M = 0.5  # Bonatti et al. 2020
 MOST_SPEED_M_S = 5.0  # Bonatti et al. 2020
 MOST_ACCELERATION_M_S2 = 3.0  # Bonatti et al. 2020
-ARRIVAL_SPEED_M_S = 1.5  # the lineage's mean speed
+MEAN_SPEED_M_S = 1.5  # of the lineage's commands
+ARRIVAL_SPEED_M_S = MEAN_SPEED_M_S
 TRACKING_GAIN_1_S = 1.0  # of the position error, onto the planned velocity
 LEAD_S = 0.25  # the vehicle's velocity follows its command this much later
 YAW_GAIN_1_S = 1.5
 MOST_YAW_RATE_RAD_S = 1.0  # the lineage's command range
-LEAST_DURATION_S, MOST_DURATION_S, DURATION_STEP_S = 0.4, 20.0, 0.1
+LEAST_DURATION_S, MOST_DURATION_S, DURATION_STEP_S = 0.4, 60.0, 0.1
 CHECKED_POINTS = np.linspace(0.0, 1.0, 41)
 
 
@@ -77,7 +79,8 @@ def plan(state: VehicleState, gate: Gate) -> Segment:
     start, velocity = np.array(state.position_ned), np.array(state.velocity_ned)
     end = np.array(gate.centre_ned)
     axis = np.array([math.cos(gate.yaw_rad), math.sin(gate.yaw_rad), 0.0])
-    for duration_s in np.arange(LEAST_DURATION_S, MOST_DURATION_S, DURATION_STEP_S):
+    least_s = max(LEAST_DURATION_S, float(np.linalg.norm(end - start)) / MEAN_SPEED_M_S)
+    for duration_s in np.arange(least_s, MOST_DURATION_S, DURATION_STEP_S):
         coefficients = _quintic(start, velocity, end, ARRIVAL_SPEED_M_S * axis, float(duration_s))
         segment = Segment(
             start_us=state.time_us, duration_s=float(duration_s), coefficients=coefficients
