@@ -1,0 +1,1 @@
+"""Decision: N x M Gaussians over each velocity to one command. Pure numpy."""

@@ -1,0 +1,81 @@
+"""Samples of the latent posterior q(z | x, D): what perception says, and how sure it is.
+
+Only the head differs between passes with different dropout masks, so the trunk runs once an image:
+the same samples in distribution as M full passes, at a fraction of the time.
+
+References:
+    Arnez et al. 2022, "Quantifying and Using System Uncertainty in UAV Navigation", eq. 1.
+    Gal and Ghahramani 2016 (see dronet.py).
+"""
+
+from typing import Protocol
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Generator, Tensor
+
+from flightstack.perception.cmvae import sample_normal
+from flightstack.perception.dronet import Dronet, dropout_mask
+from flightstack.perception.preprocessing import network_input
+
+
+class LatentPosterior(Protocol):
+    """Anything that turns an image into latent samples."""
+
+    def sample(self, rgb: NDArray[np.uint8], generator: Generator) -> NDArray[np.float32]:
+        """Map one image (64, 64, 3) to M latent samples (M, Z), all chance from the generator."""
+        ...
+
+
+class McDropoutPosterior:
+    """M passes of the head, each under its own dropout mask (eq. 1).
+
+    Each pass draws the encoder's weights by its mask, and then z ~ N(mu_m, sigma_m^2). With
+    `within=False` it takes z = mu_m instead, so that only the encoder's own doubt remains.
+    """
+
+    def __init__(self, encoder: Dronet, *, samples: int, within: bool = True) -> None:
+        self._encoder, self._samples, self._within = encoder.eval(), samples, within
+
+    def sample(self, rgb: NDArray[np.uint8], generator: Generator) -> NDArray[np.float32]:
+        """Draw M masks, then M latent samples (M, Z)."""
+        with torch.inference_mode():
+            features = self._encoder.trunk(network_input(rgb[np.newaxis]))
+            passes = features.expand(self._samples, -1)
+            mask = dropout_mask(passes, self._encoder.dropout, generator)
+            mean, logvar = self._encoder.head(passes * mask)
+            z = sample_normal(mean, logvar, generator) if self._within else mean
+            return _array(z)
+
+
+class GaussianPosterior:
+    """M draws from N(mu, sigma^2) of one deterministic pass."""
+
+    def __init__(self, encoder: Dronet, *, samples: int) -> None:
+        self._encoder, self._samples = encoder.eval(), samples
+
+    def sample(self, rgb: NDArray[np.uint8], generator: Generator) -> NDArray[np.float32]:
+        """Draw M latent samples (M, Z)."""
+        with torch.inference_mode():
+            mean, logvar = self._encoder(network_input(rgb[np.newaxis]))
+            shape = (self._samples, -1)
+            return _array(sample_normal(mean.expand(shape), logvar.expand(shape), generator))
+
+
+class MeanPosterior:
+    """The latent mean alone: one sample, no chance."""
+
+    def __init__(self, encoder: Dronet) -> None:
+        self._encoder = encoder.eval()
+
+    def sample(self, rgb: NDArray[np.uint8], generator: Generator) -> NDArray[np.float32]:  # noqa: ARG002
+        """Give the mean as (1, Z); the generator stays untouched."""
+        with torch.inference_mode():
+            mean, _ = self._encoder(network_input(rgb[np.newaxis]))
+            return _array(mean)
+
+
+def _array(z: Tensor) -> NDArray[np.float32]:
+    array: NDArray[np.float32] = z.numpy()
+    return array

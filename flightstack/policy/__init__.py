@@ -1,0 +1,1 @@
+"""Policy: latent samples to N x M Gaussians over the velocities."""

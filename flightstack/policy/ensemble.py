@@ -1,0 +1,27 @@
+"""The ensemble that flies: latent samples in, the posterior predictive out."""
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from flightstack.policy.network import PolicyStack
+from flightstack.policy.scales import VelocityRange
+from flightstack.records import ActionSamples
+
+
+class PolicyEnsemble:
+    """Every latent sample through every member: N x M Gaussians over each velocity."""
+
+    def __init__(self, stack: PolicyStack, velocity_range: VelocityRange) -> None:
+        self._stack = stack.eval()
+        self._offset, self._scale = velocity_range.offset, velocity_range.scale
+        self._var_scale = self._scale**2
+
+    def predict(self, z: NDArray[np.float32]) -> ActionSamples:
+        """Map latents (M, Z) to means and variances (N, M, 4) in m/s and rad/s."""
+        with torch.inference_mode():
+            mean, logvar = self._stack(torch.from_numpy(z))
+            var = torch.exp(logvar).numpy()
+        return ActionSamples(
+            mean=mean.numpy() * self._scale + self._offset, var=var * self._var_scale
+        )
