@@ -37,6 +37,7 @@ class Mode(Enum):
     ACRO = Encoding(5, 0, BASE_CUSTOM | BASE_MANUAL)
     OFFBOARD = Encoding(MAIN_OFFBOARD, 0, BASE_CUSTOM)  # + attitude while setpoints arrive
     STABILIZED = Encoding(7, 0, BASE_CUSTOM | BASE_MANUAL | BASE_ATTITUDE)
+    TERMINATION = Encoding(10, 0, BASE_CUSTOM)
 
     @property
     def custom_mode(self) -> int:

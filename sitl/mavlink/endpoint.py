@@ -55,10 +55,9 @@ class Endpoint:
         ports = {(link.index, c): Port(link, c) for link in links for c in COMPONENTS}
         self._dispatcher = Dispatcher(vehicle, self._servers, self._outgoing, ports, system=system)
 
-    @property
-    def answered_us(self) -> int:
-        """The stamp of the frame that the last offboard setpoint answers, -1 before the first."""
-        return self._servers.setpoints.answered_us
+    def take_answer(self) -> int:
+        """Give the stamp of the frame that a new offboard setpoint answers, -1 if none came."""
+        return self._servers.setpoints.take_answer()
 
     @property
     def is_listing(self) -> bool:

@@ -25,11 +25,19 @@ class SetpointServer:
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
-        self.answered_us = -1  # time_boot_ms of the last one addressed to us, refused or not
+        self._answered_us = -1
+
+    def take_answer(self) -> int:
+        """Give the time_boot_ms, in us, of the newest setpoint since the last call; -1 if none.
+
+        A refused one counts too: its sender has seen the frame.
+        """
+        answered_us, self._answered_us = self._answered_us, -1
+        return answered_us
 
     def handle(self, message: Message) -> StatusText | None:
         """Take one message addressed to us; the text says why it was refused."""
-        self.answered_us = message.time_boot_ms * 1000
+        self._answered_us = message.time_boot_ms * 1000
         autopilot = self._vehicle.autopilot
         setpoint = interpret(message, time_us=self._vehicle.time_us, yaw_rad=autopilot.yaw_rad)
         if isinstance(setpoint, StatusText):

@@ -1,0 +1,7 @@
+"""Run `python -m sitl`."""
+
+import sys
+
+from sitl.cli import main
+
+sys.exit(main())

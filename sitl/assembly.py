@@ -1,0 +1,77 @@
+"""Put a vehicle together: the simulation, its camera stream, its endpoint, and the loop."""
+
+from collections.abc import Sequence
+from contextlib import ExitStack, closing
+
+from sitl.camera_stream import CameraStream
+from sitl.mavlink.camera_component import CameraFacts
+from sitl.mavlink.endpoint import Endpoint
+from sitl.mavlink.link import Link
+from sitl.mavlink.tlog import TlogWriter
+from sitl.options import Options
+from sitl.sensors.camera import FIELD_OF_VIEW_DEG, SIZE_PX
+from sitl.server import Server
+from sitl.simulation import CAMERA_RATE_HZ, Simulation, SimulationConfig
+
+
+def assemble(
+    options: Options, links: Sequence[Link], unix_epoch_us: int, stack: ExitStack
+) -> tuple[Server, CameraStream]:
+    """Build everything behind open links; `stack` closes it.
+
+    Raises:
+        LinkError: the camera's port cannot be had.
+        UsageError: a parameter, the track's noise or the log's path cannot be.
+
+    """
+    stream = stack.enter_context(closing(CameraStream(options.camera_port)))
+    simulation = stack.enter_context(closing(_make_simulation(options)))
+    endpoint = Endpoint(
+        simulation,
+        links,
+        system=options.system,
+        camera=_describe_camera(stream),
+        unix_epoch_us=unix_epoch_us,
+    )
+    server = Server(
+        simulation,
+        endpoint,
+        links,
+        stream,
+        speed_factor=options.speed_factor,
+        lockstep=options.lockstep,
+    )
+    if options.log is not None:
+        tlog = TlogWriter(
+            options.log, unix_epoch_us=unix_epoch_us, clock=lambda: simulation.time_us
+        )
+        server.keep_log(stack.enter_context(closing(tlog)))
+    return server, stream
+
+
+def _make_simulation(options: Options) -> Simulation:
+    simulation = Simulation(
+        SimulationConfig(
+            seed=options.seed,
+            track_seed=options.track_seed,
+            noise_m=options.noise_m,
+            direction=options.direction,
+            laps=options.laps,
+            home=options.home,
+            gui=options.gui,
+        )
+    )
+    for name, text in options.parameters.items():
+        simulation.parameters.set_from_text(name, text)
+    simulation.parameters.set("MAV_SYS_ID", options.system)
+    return simulation
+
+
+def _describe_camera(stream: CameraStream) -> CameraFacts:
+    return CameraFacts(
+        stream_uri=stream.uri,
+        width_px=SIZE_PX,
+        height_px=SIZE_PX,
+        field_of_view_deg=round(FIELD_OF_VIEW_DEG),
+        rate_hz=float(CAMERA_RATE_HZ),
+    )

@@ -1,0 +1,77 @@
+"""Start a vehicle and run it until a signal.
+
+The first HEARTBEAT goes out as soon as the links are open; what takes long to import comes after.
+"""
+
+import logging
+import signal
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack, closing
+from types import FrameType
+from typing import TYPE_CHECKING
+
+from sitl.mavlink.health import heartbeat
+from sitl.mavlink.link import Link, LinkConfig
+from sitl.modes import Mode
+from sitl.options import Options
+from sitl.quiet import quiet_stdout
+
+if TYPE_CHECKING:
+    from sitl.server import Server
+
+MAV_STATE_UNINIT = 0
+INTERRUPTED = 130  # exit code
+
+_log = logging.getLogger(__name__)
+
+
+def launch(options: Options) -> int:
+    """Run one vehicle; returns the exit code.
+
+    Raises:
+        LinkError: a port cannot be had.
+        UsageError: a parameter, the track's noise or the log's path cannot be.
+
+    """
+    unix_epoch_us = time.time_ns() // 1000
+    with ExitStack() as stack:
+        links = _open_links(options, stack)
+        boot = heartbeat(Mode.HOLD.custom_mode, Mode.HOLD.value.base, MAV_STATE_UNINIT)
+        for link in links:
+            link.send(boot)
+        with quiet_stdout():
+            from sitl.assembly import assemble  # noqa: PLC0415  brings pybullet and OpenCV
+
+        server, stream = assemble(options, links, unix_epoch_us, stack)
+        _log.info("vehicle %d: %s, camera %s", options.system, _describe(links), stream.uri)
+        return _run(server)
+
+
+def _open_links(options: Options, stack: ExitStack) -> list[Link]:
+    links: list[Link] = []
+    for index, (name, ports) in enumerate((("gcs", options.gcs_ports), ("api", options.api_ports))):
+        config = LinkConfig(name=name, local_port=ports[0], remote_port=ports[1])
+        link = Link(config, system=options.system, index=index)
+        links.append(stack.enter_context(closing(link)))
+    return links
+
+
+def _describe(links: Sequence[Link]) -> str:
+    return ", ".join(f"{link.name} udp {link.local_port} to {link.remote[1]}" for link in links)
+
+
+def _run(server: "Server") -> int:
+    """Run until SIGINT or SIGTERM; a second signal ends the process at once."""
+    received: list[int] = []
+
+    def stop(number: int, _frame: FrameType | None) -> None:
+        received.append(number)
+        signal.signal(number, signal.SIG_DFL)
+        server.stop()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, stop)
+    server.run()
+    _log.info("stopped by %s", signal.Signals(received[0]).name if received else "itself")
+    return INTERRUPTED if signal.SIGINT in received else 0

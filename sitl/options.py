@@ -1,0 +1,238 @@
+"""What the user asks for: the command line over PX4's environment variables over defaults."""
+
+import argparse
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, NoReturn, TypeVar
+
+from sitl.errors import UsageError
+from sitl.records import Vector3
+
+HOME = (47.397742, 8.545594, 489.4)  # deg, deg, m AMSL; PX4's default
+NOISE = (1.0, 2.0)  # GRN, GHN
+GCS_PORTS = (18570, 14550)  # local, remote, as PX4; the local one grows with the instance
+API_PORTS = (14580, 14540)  # both grow with the instance
+API_REMOTE_LAST = 14549  # PX4 stops there
+CAMERA_PORT = 8090
+MAX_INSTANCE = 249  # MAV_SYS_ID ends at 250
+PARAMETER_PREFIX = "PX4_PARAM_"
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Options:
+    """One vehicle, as asked for."""
+
+    seed: int
+    track_seed: int
+    noise_m: tuple[float, float]  # GRN, GHN
+    direction: Literal["cw", "ccw"]
+    laps: int
+    speed_factor: float  # 0: as fast as possible
+    lockstep: bool
+    gui: bool
+    instance: int
+    home: Vector3
+    log: Path | None
+    gcs_ports: tuple[int, int]  # local, remote
+    api_ports: tuple[int, int]
+    camera_port: int
+    verbosity: int  # -1 quiet, 0, 1 verbose
+    parameters: Mapping[str, str]  # PX4_PARAM_<NAME>
+
+    @property
+    def system(self) -> int:
+        """MAVLink system id."""
+        return self.instance + 1
+
+
+class _Parser(argparse.ArgumentParser):
+    """Errors are one line that says what to do."""
+
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(f"{message} (see --help)")
+
+
+def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
+    """Read the command line and the environment.
+
+    Raises:
+        UsageError: something cannot be; says what, which value, and what would be.
+
+    """
+    given = _parser().parse_args(argv)
+    instance = given.instance
+    return Options(
+        seed=given.seed,
+        track_seed=given.track_seed,
+        noise_m=given.noise,
+        direction=given.direction,
+        laps=given.laps,
+        speed_factor=_first(given.speed_factor, _speed_from(environment), 1.0),
+        lockstep=given.lockstep,
+        gui=given.gui,
+        instance=instance,
+        home=_first(given.home, _home_from(environment), HOME),
+        log=given.log,
+        gcs_ports=given.gcs_link or (GCS_PORTS[0] + instance, GCS_PORTS[1]),
+        api_ports=given.api_link
+        or (API_PORTS[0] + instance, min(API_PORTS[1] + instance, API_REMOTE_LAST)),
+        camera_port=_first(given.camera_port, None, CAMERA_PORT + instance),
+        verbosity=given.verbose - given.quiet,
+        parameters={
+            name.removeprefix(PARAMETER_PREFIX): value
+            for name, value in environment.items()
+            if name.startswith(PARAMETER_PREFIX)
+        },
+    )
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="python -m sitl",
+        description="A simulated PX4-style quadrotor with a camera, on a course of gates.",
+        epilog="PX4_SIM_SPEED_FACTOR, PX4_HOME_LAT, PX4_HOME_LON, PX4_HOME_ALT and "
+        "PX4_PARAM_<NAME> are heeded, as by PX4; the command line goes before them.",
+        allow_abbrev=False,
+    )
+    world = parser.add_argument_group("world")
+    world.add_argument("--seed", type=_seed, default=0, metavar="N", help="of vehicle and day")
+    world.add_argument("--track-seed", type=_seed, default=0, metavar="N", help="of the track")
+    world.add_argument(
+        "--noise",
+        type=_noise,
+        default=NOISE,
+        metavar="GRN,GHN",
+        help="m, of the gates' radius and height (default 1.0,2.0)",
+    )
+    world.add_argument("--direction", choices=("cw", "ccw"), default="cw", help="round the course")
+    world.add_argument("--laps", type=_laps, default=1, metavar="N", help="(default 1)")
+    world.add_argument(
+        "--home", type=_home, metavar="LAT,LON,ALT", help="deg, deg, m AMSL of the spawn point"
+    )
+    world.add_argument("--gui", action="store_true", help="show the world in a window")
+    running = parser.add_argument_group("time")
+    running.add_argument(
+        "--speed-factor", type=_speed, metavar="X", help="1: real time; 0: as fast as possible"
+    )
+    running.add_argument(
+        "--lockstep", action="store_true", help="wait for an answer to each camera frame"
+    )
+    _add_connections(parser)
+    return parser
+
+
+def _add_connections(parser: argparse.ArgumentParser) -> None:
+    wire = parser.add_argument_group("wire")
+    wire.add_argument(
+        "--instance", type=_instance, default=0, metavar="N", help="vehicle N + 1, own ports"
+    )
+    for name, whom in (("--gcs-link", "the ground station"), ("--api-link", "an offboard program")):
+        wire.add_argument(
+            name, type=_ports, metavar="LOCAL:REMOTE", help=f"UDP ports of the link to {whom}"
+        )
+    wire.add_argument("--camera-port", type=_port, metavar="P", help="HTTP port of the camera")
+    wire.add_argument("--log", type=Path, metavar="PATH", help="write all traffic as a tlog")
+    wire.add_argument("-v", "--verbose", action="count", default=0, help="say more")
+    wire.add_argument("-q", "--quiet", action="count", default=0, help="say only what is wrong")
+
+
+def _first(given: T | None, inherited: T | None, default: T) -> T:
+    if given is not None:
+        return given
+    return default if inherited is None else inherited
+
+
+def _speed_from(environment: Mapping[str, str]) -> float | None:
+    return _from_environment(environment, "PX4_SIM_SPEED_FACTOR", _speed)
+
+
+def _home_from(environment: Mapping[str, str]) -> Vector3 | None:
+    names = ("PX4_HOME_LAT", "PX4_HOME_LON", "PX4_HOME_ALT")
+    if not any(name in environment for name in names):
+        return None
+    texts = [
+        environment.get(name, str(fallback)) for name, fallback in zip(names, HOME, strict=True)
+    ]
+    return _from_environment({"PX4_HOME_*": ",".join(texts)}, "PX4_HOME_*", _home)
+
+
+def _from_environment(
+    environment: Mapping[str, str], name: str, read: Callable[[str], T]
+) -> T | None:
+    if name not in environment:
+        return None
+    try:
+        return read(environment[name])
+    except (argparse.ArgumentTypeError, ValueError) as error:
+        raise UsageError(f"{name}: {error}") from None
+
+
+def _numbers(text: str, count: int, example: str) -> list[float]:
+    try:
+        numbers = [float(piece) for piece in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) != count or not all(math.isfinite(number) for number in numbers):
+        raise argparse.ArgumentTypeError(f"must be {count} numbers like {example}, got '{text}'")
+    return numbers
+
+
+def _noise(text: str) -> tuple[float, float]:
+    radius_m, height_m = _numbers(text, 2, "1.0,2.0")
+    if min(radius_m, height_m) < 0.0:
+        raise argparse.ArgumentTypeError(f"must not be negative, got '{text}'")
+    return radius_m, height_m
+
+
+def _home(text: str) -> Vector3:
+    latitude, longitude, altitude = _numbers(text, 3, "47.397742,8.545594,489.4")
+    if abs(latitude) > 89.0 or abs(longitude) > 180.0 or not -500.0 <= altitude <= 10_000.0:
+        raise argparse.ArgumentTypeError(
+            "latitude must be -89 to 89, longitude -180 to 180, altitude -500 to 10000, "
+            f"got '{text}'"
+        )
+    return latitude, longitude, altitude
+
+
+def _speed(text: str) -> float:
+    (factor,) = _numbers(text, 1, "1.0")
+    if not (factor == 0.0 or 0.01 <= factor <= 1000.0):
+        raise argparse.ArgumentTypeError(f"must be 0 or 0.01 to 1000, got '{text}'")
+    return factor
+
+
+def _integer(text: str, low: int, high: int) -> int:
+    try:
+        number = int(text)
+    except ValueError:
+        number = low - 1
+    if not low <= number <= high:
+        raise argparse.ArgumentTypeError(f"must be a whole number {low} to {high}, got '{text}'")
+    return number
+
+
+def _seed(text: str) -> int:
+    return _integer(text, 0, 2**63 - 1)
+
+
+def _laps(text: str) -> int:
+    return _integer(text, 1, 1000)
+
+
+def _instance(text: str) -> int:
+    return _integer(text, 0, MAX_INSTANCE)
+
+
+def _port(text: str) -> int:
+    return _integer(text, 0, 65535)
+
+
+def _ports(text: str) -> tuple[int, int]:
+    local, colon, remote = text.partition(":")
+    if not colon:
+        raise argparse.ArgumentTypeError(f"must be LOCAL:REMOTE like 18570:14550, got '{text}'")
+    return _port(local), _port(remote)
