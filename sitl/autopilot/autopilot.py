@@ -1,13 +1,21 @@
-"""The autopilot: what the world calls, a tick at a time."""
+"""The autopilot: commander, navigator, take-off, land detector and cascade, a tick at a time."""
 
+import math
 from collections.abc import Sequence
 
 from sitl.autopilot.cascade import Cascade, tilt_tan
+from sitl.autopilot.checks import Health, can_arm
+from sitl.autopilot.commander import INFO, Commander
+from sitl.autopilot.commands import Commands
+from sitl.autopilot.land_detector import LandDetector
+from sitl.autopilot.navigator import Goal, Navigator
+from sitl.autopilot.offboard import OffboardStream
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.position_control import Limits
 from sitl.autopilot.setpoint import Setpoint
+from sitl.autopilot.takeoff import Stage, Takeoff
 from sitl.frames import yaw_of
-from sitl.modes import BASE_ARMED, BASE_ATTITUDE, Mode, mode_of
+from sitl.modes import Mode
 from sitl.records import Estimate, MotorThrusts, StatusText, Vector3
 from sitl.vehicle_records import (
     Command,
@@ -17,12 +25,29 @@ from sitl.vehicle_records import (
     VehicleStatus,
 )
 
-ACCEPTED = 0
-UNSUPPORTED = 3
+ORIGIN: Vector3 = (0.0, 0.0, 0.0)
+NOTHING = Estimate(
+    time_us=0,
+    position_ned=ORIGIN,
+    velocity_ned=ORIGIN,
+    q_ned_frd=(1.0, 0.0, 0.0, 0.0),
+    rates_frd=ORIGIN,
+    specific_force_frd=ORIGIN,
+    attitude_valid=False,
+    position_valid=False,
+    altitude_valid=False,
+)
+IDLE_THRUST = 0.001  # what PX4 shows on the ground
+RAMP_THRUST = 0.001  # least thrust before flight: the ramp begins with none
+DISARMED_US, IDLE_US, FULL_US = 900, 1000, 2000  # pulse widths of SERVO_OUTPUT_RAW
+ON_GROUND, IN_AIR, TAKING_OFF, LANDING = 1, 2, 3, 4  # MAV_LANDED_STATE
 
 
 class Autopilot:
-    """PX4-style flight control of one quadrotor."""
+    """PX4-style flight control of one quadrotor, a pure function of what it is given.
+
+    Time is that of the estimates. Commands and setpoints act at the next tick.
+    """
 
     def __init__(
         self,
@@ -34,89 +59,102 @@ class Autopilot:
         home: Vector3,
     ) -> None:
         self.parameters = parameters
-        self._cascade = Cascade(parameters, rotor_positions_frd_m, rotor_yaw_moments_m)
-        self._hover_thrust = hover_thrust
-        self._home = home
-        self._armed = False
-        self._mode = Mode.HOLD
         self._version = parameters.version
-        self._estimate: Estimate | None = None
-        self._setpoint = OffboardSetpoint(time_us=0)
-        self._texts: list[StatusText] = []
+        self._home = home
+        self._home_ned: Vector3 | None = None
+        self._hover_thrust = hover_thrust
+        self._estimate = NOTHING
+        self._entries = 0
+        self._airborne_pending = False
+        self._cascade = Cascade(parameters, rotor_positions_frd_m, rotor_yaw_moments_m)
+        self._commander = Commander(parameters)
+        self._commands = Commands(self._commander, home)
+        self._navigator = Navigator(parameters)
+        self._offboard = OffboardStream(parameters)
+        self._takeoff = Takeoff(parameters)
+        self._land_detector = LandDetector(parameters)
+        self._load_limits()
 
     def start_airborne(self) -> None:
         """Begin in the air, armed, in OFFBOARD, hovering: for training, never for a flight."""
-        self._armed = True
-        self._mode = Mode.OFFBOARD
-        self._cascade.position.reset(self._cascade.position.hover_integral(self._hover_thrust))
+        self._airborne_pending = True
+        self._commander.start_airborne()
+        self._takeoff.start_airborne()
+        self._land_detector.start_airborne()
+        self._cascade.start_airborne(self._hover_thrust)
 
     def step(self, estimate: Estimate) -> MotorThrusts:
-        """Advance by one tick of 4 ms."""
+        """Advance by one tick of 4 ms and give the rotor thrusts for it."""
         self._estimate = estimate
-        if not self._armed:
-            return self._cascade.stop(estimate)
-        s = self._setpoint
-        setpoint = Setpoint(
-            s.position_ned, s.velocity_ned, s.acceleration_ned, s.yaw_rad, s.yaw_rate_rad_s
+        if self.parameters.version != self._version:
+            self._load()
+        if self._airborne_pending:
+            self._airborne_pending = False
+            self._offboard.receive(
+                OffboardSetpoint(time_us=estimate.time_us, velocity_ned=ORIGIN, yaw_rate_rad_s=0.0)
+            )
+        commander = self._commander
+        landed = self._detect_landing(estimate)
+        health = Health(
+            estimate.attitude_valid,
+            estimate.position_valid,
+            estimate.altitude_valid,
+            self._offboard.is_alive(estimate.time_us),
         )
-        limits = Limits(3.0, 1.5, tilt_tan(45.0), 0.12)
-        return self._cascade.fly(estimate, setpoint, limits, landed=False)
+        commander.update(estimate.time_us, health, landed=landed)
+        self._keep_home(estimate)
+        if commander.entries != self._entries:
+            self._entries = commander.entries
+            self._enter(estimate)
+        if not commander.armed or commander.mode is Mode.TERMINATION:
+            self._takeoff.update(estimate.time_us, armed=False, landed=True, wants_climb=False)
+            return self._cascade.stop(estimate)
+        return self._fly(estimate, landed=landed)
 
     def command(self, command: Command) -> CommandResult | None:
         """Obey or refuse a MAVLink command; None where PX4 stays silent."""
-        if command.command == 400:
-            self._armed = command.params[0] == 1.0
-            return CommandResult(result=ACCEPTED)
-        if command.command == 176:
-            return self.set_mode(int(command.params[1]), int(command.params[2]))
-        return CommandResult(result=UNSUPPORTED)
+        return self._commands.handle(command)
 
     def set_mode(self, main: int, sub: int) -> CommandResult:
-        """Change the mode, by PX4's numbers."""
-        self._mode = mode_of(main, sub) or self._mode
-        return CommandResult(result=ACCEPTED)
+        """Switch the mode, by PX4's numbers."""
+        return self._commands.set_mode(main, sub)
 
     def offboard_setpoint(self, setpoint: OffboardSetpoint) -> None:
         """Take a setpoint of the offboard stream."""
-        self._setpoint = setpoint
+        self._offboard.receive(setpoint)
+
+    def drain_texts(self) -> list[StatusText]:
+        """Take the texts that came up since the last call."""
+        return self._commander.drain_texts()
 
     @property
     def yaw_rad(self) -> float:
         """Heading now: what turns a setpoint in the body frame into NED."""
-        return yaw_of(self._estimate.q_ned_frd) if self._estimate else 0.0
-
-    def drain_texts(self) -> list[StatusText]:
-        """Take the texts that came up since the last call."""
-        texts, self._texts = self._texts, []
-        return texts
+        return yaw_of(self._estimate.q_ned_frd)
 
     @property
     def status(self) -> VehicleStatus:
         """What the autopilot says about itself."""
-        mode = self._mode
-        e = self._estimate
-        a, b, c, d = (
-            900 if not self._armed else round(1000 + 1000 * m) for m in self._cascade.motors
-        )
+        commander, estimate = self._commander, self._estimate
         return VehicleStatus(
-            time_us=e.time_us if e else 0,
-            mode=mode,
-            intended_mode=mode,
-            custom_mode=mode.custom_mode,
-            base_mode=mode.value.base | BASE_ATTITUDE | (BASE_ARMED if self._armed else 0),
-            system_status=4 if self._armed else 3,
-            armed=self._armed,
-            armable=True,
-            failsafe=False,
-            landed_state=1,
+            time_us=estimate.time_us,
+            mode=commander.mode,
+            intended_mode=commander.intended,
+            custom_mode=commander.mode.custom_mode,
+            base_mode=commander.base_mode,
+            system_status=commander.system_status,
+            armed=commander.armed,
+            armable=can_arm(commander.intended, commander.health),
+            failsafe=commander.failsafe,
+            landed_state=self._landed_state(),
             home=self._home,
-            home_ned=(0.0, 0.0, 0.0),
-            home_valid=e is not None and e.position_valid,
-            attitude_valid=e is not None and e.attitude_valid,
-            position_valid=e is not None and e.position_valid,
-            altitude_valid=e is not None and e.altitude_valid,
+            home_ned=self._home_ned or ORIGIN,
+            home_valid=self._home_ned is not None,
+            attitude_valid=estimate.attitude_valid,
+            position_valid=estimate.position_valid,
+            altitude_valid=estimate.altitude_valid,
             throttle=self._cascade.asked.thrust,
-            actuator_outputs=(a, b, c, d),
+            actuator_outputs=self._outputs(),
         )
 
     @property
@@ -125,7 +163,7 @@ class Autopilot:
         cascade = self._cascade
         asked = cascade.asked
         return SetpointEcho(
-            time_us=self._estimate.time_us if self._estimate else 0,
+            time_us=self._estimate.time_us,
             position_ned=cascade.setpoint.position_ned,
             velocity_ned=asked.velocity_ned,
             acceleration_ned=asked.acceleration_ned,
@@ -135,3 +173,119 @@ class Autopilot:
             rates_frd=cascade.rates_frd,
             thrust=asked.thrust,
         )
+
+    def _fly(self, estimate: Estimate, *, landed: bool) -> MotorThrusts:
+        """Fly the mode, or stand on the ground with the rotors turning."""
+        takeoff, mode, time_us = self._takeoff, self._commander.mode, estimate.time_us
+        down = estimate.position_ned[2]
+        climbs = mode is Mode.TAKEOFF or (
+            mode is Mode.OFFBOARD and self._offboard.wants_climb(time_us, down)
+        )
+        stage = takeoff.update(time_us, armed=True, landed=landed, wants_climb=climbs)
+        in_flight = stage is Stage.FLIGHT
+        if not (in_flight or stage is Stage.RAMP_UP) or (
+            in_flight and self._land_detector.ground_contact
+        ):
+            return self._cascade.idle(estimate, IDLE_THRUST)
+        limits = self._flight_limits
+        if not in_flight:
+            speed_up = self._takeoff_speed if mode is Mode.TAKEOFF else limits.speed_up_m_s
+            limits = self._ground_limits._replace(speed_up_m_s=takeoff.speed_limit(speed_up))
+        setpoint = self._setpoint(estimate, mode, in_flight=in_flight)
+        return self._cascade.fly(estimate, setpoint, limits, landed=landed)
+
+    def _setpoint(self, estimate: Estimate, mode: Mode, *, in_flight: bool) -> Setpoint:
+        if mode is Mode.OFFBOARD:
+            return self._offboard.setpoint(estimate.time_us, self.yaw_rad)
+        if not in_flight:
+            return self._navigator.wait(estimate)
+        setpoint = self._navigator.advance(estimate)
+        if self._navigator.takeoff_done:
+            self._navigator.hold_where_takeoff_leads()
+            self._commander.continue_as_hold()
+        return setpoint
+
+    def _enter(self, estimate: Estimate) -> None:
+        """Begin the commander's mode."""
+        commander = self._commander
+        mode, goal = commander.mode, commander.goal
+        home = self._home_ned or ORIGIN
+        if mode is Mode.TAKEOFF:
+            goal = self._takeoff_goal(goal, estimate)
+        flies = self._takeoff.stage is Stage.FLIGHT
+        motion = self._cascade.asked.acceleration_ned if flies else ORIGIN
+        self._navigator.enter(mode, goal, home, estimate, motion)
+        if mode is Mode.RTL and commander.armed:
+            height = self._navigator.return_height_m
+            altitude = self._home[2] - home[2] + height
+            commander.say(
+                INFO,
+                f"RTL: start return at {altitude:.0f} m ({height:.0f} m above destination)",
+            )
+
+    def _takeoff_goal(self, goal: Goal, estimate: Estimate) -> Goal:
+        """Complete a take-off's goal: never below where the vehicle is."""
+        x, y, z = goal.position_ned
+        down = estimate.position_ned[2]
+        if math.isnan(z):
+            height = self.parameters["MIS_TAKEOFF_ALT"]
+            z = (self._home_ned or estimate.position_ned)[2] - height
+            if self._commander.armed:
+                self._commander.say(INFO, f"Using default takeoff altitude: {height:.1f} m")
+        return goal._replace(position_ned=(x, y, min(z, down)))
+
+    def _detect_landing(self, estimate: Estimate) -> bool:
+        detector, asked, commander = self._land_detector, self._cascade.asked, self._commander
+        falls = commander.mode is Mode.TERMINATION
+        return detector.update(
+            estimate,
+            armed=commander.armed,
+            descending=falls or asked.velocity_ned[2] >= detector.descent_min_m_s,
+            thrust=asked.thrust,
+        )
+
+    def _keep_home(self, estimate: Estimate) -> None:
+        """Home is where the vehicle stood when it was armed, or where a command has put it."""
+        request, self._commands.home_request = self._commands.home_request, None
+        if request is not None:
+            here = math.isnan(request[0])
+            self._home_ned = estimate.position_ned if here else request
+        elif estimate.position_valid and (self._home_ned is None or self._just_armed()):
+            self._home_ned = estimate.position_ned
+
+    def _just_armed(self) -> bool:
+        return self._commander.armed and self._takeoff.stage is Stage.DISARMED
+
+    def _landed_state(self) -> int:
+        if self._commander.landed:
+            return ON_GROUND
+        mode = self._commander.mode
+        return {Mode.TAKEOFF: TAKING_OFF, Mode.LAND: LANDING}.get(mode, IN_AIR)
+
+    def _outputs(self) -> tuple[int, int, int, int]:
+        if not self._commander.armed:
+            return (DISARMED_US,) * 4
+        span = FULL_US - IDLE_US
+        a, b, c, d = (IDLE_US + round(span * motor) for motor in self._cascade.motors)
+        return (a, b, c, d)
+
+    def _load(self) -> None:
+        """Take changed parameters into every part."""
+        self._version = self.parameters.version
+        for part in (
+            self._cascade,
+            self._commander,
+            self._navigator,
+            self._offboard,
+            self._takeoff,
+            self._land_detector,
+        ):
+            part.load(self.parameters)
+        self._load_limits()
+
+    def _load_limits(self) -> None:
+        p = self.parameters
+        up, down = p["MPC_Z_VEL_MAX_UP"], p["MPC_Z_VEL_MAX_DN"]
+        self._takeoff_speed = p["MPC_TKO_SPEED"]
+        self._flight_limits = Limits(up, down, tilt_tan(p["MPC_TILTMAX_AIR"]), p["MPC_THR_MIN"])
+        self._ground_limits = Limits(up, down, tilt_tan(p["MPC_TILTMAX_LND"]), RAMP_THRUST)

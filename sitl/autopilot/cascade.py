@@ -9,12 +9,14 @@ from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.position_control import AttitudeSetpoint, Limits, PositionControl
 from sitl.autopilot.rate_control import RateControl
 from sitl.autopilot.setpoint import IDLE, Setpoint
+from sitl.clock import SECOND_US, TICK_US
 from sitl.frames import quaternion_from_euler, yaw_of
 from sitl.records import Estimate, MotorThrusts, Vector3
+from sitl.vehicle_records import NAN_VECTOR
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
 STOPPED: MotorThrusts = (0.0, 0.0, 0.0, 0.0)
-TICK_S = 0.004
+TICK_S = TICK_US / SECOND_US
 
 
 class Cascade:
@@ -41,6 +43,12 @@ class Cascade:
         for controller in (self.position, self._attitude, self._rate):
             controller.load(parameters)
 
+    def start_airborne(self, hover_thrust: float) -> None:
+        """Begin in the air, where a hover needs no settling."""
+        self._rate.reset()
+        self._saturated = ZERO
+        self.position.reset(self.position.hover_integral(hover_thrust))
+
     def fly(
         self, estimate: Estimate, setpoint: Setpoint, limits: Limits, *, landed: bool
     ) -> MotorThrusts:
@@ -55,7 +63,7 @@ class Cascade:
         self.position.reset()
         self.setpoint = IDLE
         level = quaternion_from_euler(0.0, 0.0, yaw)
-        self.asked = AttitudeSetpoint(level, thrust, yaw, 0.0, ZERO, IDLE.acceleration_ned)
+        self.asked = AttitudeSetpoint(level, thrust, yaw, 0.0, NAN_VECTOR, IDLE.acceleration_ned)
         return self._turn(estimate, self.asked, landed=True)
 
     def stop(self, estimate: Estimate) -> MotorThrusts:
@@ -65,7 +73,7 @@ class Cascade:
         self._rate.reset()
         self._saturated, self.rates_frd, self.setpoint = ZERO, ZERO, IDLE
         q = estimate.q_ned_frd
-        self.asked = AttitudeSetpoint(q, 0.0, yaw, 0.0, ZERO, IDLE.acceleration_ned)
+        self.asked = AttitudeSetpoint(q, 0.0, yaw, 0.0, NAN_VECTOR, IDLE.acceleration_ned)
         self.motors = STOPPED
         return STOPPED
 

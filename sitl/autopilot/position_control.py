@@ -111,7 +111,7 @@ class PositionControl:
             (p_xy * (px - position[0]), p_xy * (py - position[1])), (vx, vy), self._speed_max
         )
         z = _add(p_z * (pz - position[2]), vz)
-        return (x, y, z if isnan(z) else min(max(z, -limits.speed_up_m_s), limits.speed_down_m_s))
+        return (x, y, z if isnan(z) else max(min(z, limits.speed_down_m_s), -limits.speed_up_m_s))
 
     def _acceleration_for(
         self, velocity: Vector3, velocity_setpoint: Vector3, setpoint: Setpoint

@@ -1,0 +1,187 @@
+"""The commander: who is in charge of what the vehicle does; arming, modes, failsafe, disarming.
+
+What the user intends and what is flown differ only in a failsafe:
+
+    intended --failsafe.decide--> mode;  disarmed: mode = intended, whatever it is
+"""
+
+from sitl.autopilot.checks import ARMABLE, NAMES, Health, can_arm, can_run
+from sitl.autopilot.failsafe import Conditions, decide
+from sitl.autopilot.navigator import Goal
+from sitl.autopilot.parameters import Parameters
+from sitl.clock import SECOND_US
+from sitl.modes import BASE_ARMED, BASE_ATTITUDE, Mode
+from sitl.records import StatusText
+
+CRITICAL, INFO = 2, 6  # MAV_SEVERITY
+BOOT, STANDBY, ACTIVE, FAILSAFE, TERMINATED = 0, 3, 4, 5, 8  # MAV_STATE
+
+
+class Commander:
+    """Keeps the armed state, the intended mode and the mode that is flown."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        self.armed = False
+        self.intended = self.mode = Mode.HOLD
+        self.failsafe = False
+        self.goal = Goal()
+        self.entries = 0  # counts beginnings of a mode, so that one can begin again
+        self.health = Health()
+        self._after_disarming = Mode.HOLD
+        self._landed = True
+        self._has_flown = False  # since arming
+        self._since_us = 0  # arming or landing, whichever was last
+        self._ready = False
+        self._time_us = 0
+        self._texts: list[StatusText] = []
+        self.load(parameters)
+
+    def load(self, parameters: Parameters) -> None:
+        """Take times and actions from the parameters."""
+        p = parameters
+        self._disarm_landed_us = round(p["COM_DISARM_LAND"] * SECOND_US)
+        self._disarm_preflight_us = round(p["COM_DISARM_PRFLT"] * SECOND_US)
+        self._offboard_loss_action = int(p["COM_OBL_RC_ACT"])
+
+    def say(self, severity: int, text: str) -> None:
+        """Tell the pilot; PX4's texts end in a tab."""
+        self._texts.append(StatusText(severity=severity, text=text + "\t"))
+
+    def drain_texts(self) -> list[StatusText]:
+        """Take the texts that came up since the last call."""
+        texts, self._texts = self._texts, []
+        return texts
+
+    def start_airborne(self) -> None:
+        """Begin in flight, in OFFBOARD."""
+        self.armed, self._has_flown, self._landed, self._ready = True, True, False, True
+        self.intended = self.mode = self._after_disarming = Mode.OFFBOARD
+        self.failsafe = False
+        self.entries += 1
+
+    def update(self, time_us: int, health: Health, *, landed: bool) -> None:
+        """Advance to `time_us`: failsafe, landing, automatic disarming."""
+        self._time_us, self.health = time_us, health
+        if not self._ready and can_arm(Mode.HOLD, health):
+            self._ready = True
+            self.say(INFO, "Ready for takeoff!")
+        if not self.armed:
+            self._landed = landed
+            return
+        self._decide()
+        if not self.armed:
+            return
+        if landed is not self._landed:
+            self._landed, self._since_us = landed, time_us
+            self._has_flown = True
+            self.say(INFO, "Landing detected" if landed else "Takeoff detected")
+        if landed:
+            self._disarm_when_idle(time_us - self._since_us)
+
+    def arm(self) -> bool:
+        """Arm if the checks pass."""
+        if self.armed:
+            return True
+        if not can_arm(self.intended, self.health):
+            self.say(CRITICAL, "Arming denied: Resolve system health failures first")
+            return False
+        self.armed, self._has_flown, self._landed = True, False, True
+        self._since_us = self._time_us
+        self.entries += 1
+        self.say(INFO, "Armed by external command")
+        return True
+
+    def disarm(self, *, force: bool) -> bool:
+        """Disarm on the ground, or anywhere if forced."""
+        if not self.armed:
+            return True
+        if not (self._landed or force):
+            self.say(CRITICAL, "Disarming denied: not landed")
+            return False
+        self._disarm("Disarmed by external command")
+        return True
+
+    def switch(self, mode: Mode, goal: Goal | None = None) -> bool:
+        """Intend a mode; refused in flight if it can't run."""
+        if self.armed and not can_run(mode, self.health):
+            self.say(CRITICAL, f"Switching to {NAMES[mode]} is currently not available")
+            return False
+        self.begin(mode, goal)
+        return True
+
+    def begin(self, mode: Mode, goal: Goal | None = None) -> None:
+        """Intend a mode, begin it, and lead it to a goal."""
+        if mode is not self.intended or goal is not None or self.failsafe:
+            self.entries += 1
+            self.goal = goal or Goal()
+        self.intended = mode
+        if mode in ARMABLE and (mode is not Mode.OFFBOARD or self.health.offboard_available):
+            self._after_disarming = mode
+        if self.armed:
+            self._decide()
+        else:
+            self.mode = mode
+
+    def terminate(self) -> None:
+        """Stop the rotors for good."""
+        self.intended = self.mode = Mode.TERMINATION
+        self.say(CRITICAL, "Flight termination active")
+
+    def continue_as_hold(self) -> None:
+        """Hold where the take-off leads: the motion goes on, no mode begins anew."""
+        self.intended = self.mode = self._after_disarming = Mode.HOLD
+
+    @property
+    def landed(self) -> bool:
+        """Whether the vehicle stands on the ground, as last detected."""
+        return self._landed
+
+    @property
+    def base_mode(self) -> int:
+        """HEARTBEAT.base_mode."""
+        base = self.mode.value.base | (BASE_ARMED if self.armed else 0)
+        if self.mode is Mode.OFFBOARD and self.health.offboard_available:
+            base |= BASE_ATTITUDE
+        return base
+
+    @property
+    def system_status(self) -> int:
+        """HEARTBEAT.system_status."""
+        if not self.armed:
+            return STANDBY if can_arm(self.intended, self.health) else BOOT
+        if self.mode is Mode.TERMINATION:
+            return TERMINATED
+        return FAILSAFE if self.failsafe else ACTIVE
+
+    def _decide(self) -> None:
+        """Let the failsafe table choose the mode, and say so when it takes over."""
+        if self.intended is Mode.TERMINATION:
+            return
+        available = self.health.offboard_available
+        decision = decide(
+            Conditions(self.armed, self.intended, available, self._offboard_loss_action)
+        )
+        if decision.failsafe and not self.failsafe:
+            self.say(CRITICAL, "Failsafe activated")
+        self.failsafe = decision.failsafe
+        if decision.mode is None:
+            self._disarm("Disarmed by failsafe")
+        elif decision.mode is Mode.TERMINATION:
+            self.terminate()
+        elif decision.mode is not self.mode:
+            self.mode = decision.mode
+            self.entries += 1
+
+    def _disarm_when_idle(self, idle_us: int) -> None:
+        if self._has_flown and 0 < self._disarm_landed_us <= idle_us:
+            self._disarm("Disarmed by landing")
+        elif not self._has_flown and 0 < self._disarm_preflight_us <= idle_us:
+            self._disarm("Disarmed by auto preflight disarming")
+
+    def _disarm(self, text: str) -> None:
+        """Stop, and fall back to the mode that the user last chose and that could be armed."""
+        self.armed, self.failsafe, self._landed = False, False, True
+        self.intended = self.mode = self._after_disarming
+        self.goal = Goal()
+        self.entries += 1
+        self.say(INFO, text)
