@@ -15,7 +15,7 @@ from sitl.mavlink.health import heartbeat
 from sitl.mavlink.link import Link, LinkConfig
 from sitl.modes import Mode
 from sitl.options import Options
-from sitl.quiet import quiet_stdout
+from sitl.quiet import quiet_outputs
 
 if TYPE_CHECKING:
     from sitl.server import Server
@@ -40,7 +40,7 @@ def launch(options: Options) -> int:
         boot = heartbeat(Mode.HOLD.custom_mode, Mode.HOLD.value.base, MAV_STATE_UNINIT)
         for link in links:
             link.send(boot)
-        with quiet_stdout():
+        with quiet_outputs():
             from sitl.assembly import assemble  # noqa: PLC0415  brings pybullet and OpenCV
 
         server, stream = assemble(options, links, unix_epoch_us, stack)

@@ -1,25 +1,27 @@
-"""Keep a C library from writing to standard output."""
+"""Keep a C library from writing to standard output and standard error."""
 
 import ctypes
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-STDOUT = 1
+OUTPUTS = (1, 2)  # file descriptors
 
 
 @contextmanager
-def quiet_stdout() -> Iterator[None]:
-    """Drop what C code prints meanwhile, as pybullet does when it is imported."""
+def quiet_outputs() -> Iterator[None]:
+    """Drop what is printed meanwhile, as pybullet does when it is imported; exceptions pass."""
     flush = ctypes.CDLL(None).fflush
     flush(None)
-    kept = os.dup(STDOUT)
+    kept = [os.dup(output) for output in OUTPUTS]
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
-        os.dup2(nowhere, STDOUT)
+        for output in OUTPUTS:
+            os.dup2(nowhere, output)
         yield
-        flush(None)
     finally:
-        os.dup2(kept, STDOUT)
-        os.close(kept)
+        flush(None)
+        for output, copy in zip(OUTPUTS, kept, strict=True):
+            os.dup2(copy, output)
+            os.close(copy)
         os.close(nowhere)

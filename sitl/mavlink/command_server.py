@@ -58,7 +58,7 @@ def acknowledge(request: Request, command: int, result: int) -> None:
 def parse(message: Message) -> Command | None:
     """Read COMMAND_LONG or COMMAND_INT; None if its numbers cannot be meant."""
     first = (message.param1, message.param2, message.param3, message.param4)
-    if message.id == mavlink.MAVLINK_MSG_ID_COMMAND_LONG:
+    if message.get_msgId() == mavlink.MAVLINK_MSG_ID_COMMAND_LONG:
         x, y = message.param5, message.param6
         if any(abs(value - INT32_MAX) < 1.0 for value in (x, y)):
             return None  # an integer's "not given" in a float

@@ -60,15 +60,15 @@ class Dispatcher:
 
     def handle(self, received: Received, link: Link) -> None:
         """Answer one message."""
-        message = received.message
-        if message.id == mavlink.MAVLINK_MSG_ID_HEARTBEAT:
+        message, message_id = received.message, received.message_id
+        if message_id == mavlink.MAVLINK_MSG_ID_HEARTBEAT:
             self._on_heartbeat(message, link)
-        elif message.id in COMMANDS:
+        elif message_id in COMMANDS:
             self._on_command(received, link)
-        elif message.id in self._for_anybody:
-            self._for_anybody[message.id](message, self._request(received, link, AUTOPILOT))
-        elif message.id in self._for_us and self._is_ours(message):
-            self._for_us[message.id](message, self._request(received, link, AUTOPILOT))
+        elif message_id in self._for_anybody:
+            self._for_anybody[message_id](message, self._request(received, link, AUTOPILOT))
+        elif message_id in self._for_us and self._is_ours(message):
+            self._for_us[message_id](message, self._request(received, link, AUTOPILOT))
 
     def _addressed_handlers(self) -> Mapping[int, Handler]:
         parameters = self._servers.parameters

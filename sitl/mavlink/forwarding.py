@@ -30,7 +30,7 @@ class Forwarder:
             return  # nobody else speaks in our name
         if sender in self._seen or len(self._seen) < MAX_COMPONENTS:
             self._seen[sender] = source.index
-        if received.message.id in NEVER:
+        if received.message_id in NEVER:
             return
         for link in self._links:
             if link is not source and self._wants(link, received):

@@ -32,6 +32,7 @@ class Packet(NamedTuple):
 class Received(NamedTuple):
     """A message that came in, with the frame it came in."""
 
+    message_id: int  # not `message.id`: a field of that name hides it in some messages
     message: Message
     raw: bytes
     system: int
@@ -44,7 +45,7 @@ _codec = mavlink.MAVLink(None)  # stateless as used here: no key, sequence numbe
 def pack(message: Message) -> Packet:
     """Serialise a message's payload."""
     payload = _serialiser(message.__class__)(message)
-    return Packet(message.id, payload.rstrip(b"\0") or b"\0", message.crc_extra)
+    return Packet(message.get_msgId(), payload.rstrip(b"\0") or b"\0", message.crc_extra)
 
 
 def frame(packet: Packet, *, sequence: int, system: int, component: int) -> bytes:
@@ -112,7 +113,7 @@ def _decode(raw: bytes) -> Received | None:
     except mavlink.MAVError:
         return None
     system, component = (raw[3], raw[4]) if raw[0] == MAGIC_V1 else (raw[5], raw[6])
-    return Received(message, raw, system, component)
+    return Received(message.get_msgId(), message, raw, system, component)
 
 
 def _checksum(data: bytes) -> int:
