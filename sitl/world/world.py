@@ -44,9 +44,7 @@ class World:
 
     def touches_gate(self) -> bool:
         """Whether the vehicle is in contact with a gate after the last tick."""
-        contacts = pybullet.getContactPoints(
-            bodyA=self.body.body_id, physicsClientId=self._client
-        )
+        contacts = pybullet.getContactPoints(bodyA=self.body.body_id, physicsClientId=self._client)
         return any(contact[2] in self._gates for contact in contacts)
 
     def _add_ground(self) -> None:

@@ -1,0 +1,78 @@
+"""Checks of the log itself: losses, damage, clock, and how it ends."""
+
+from flightstack.logs.checks.face import Level, Verdict, check
+from flightstack.logs.flight import Flight
+
+LOSS_WARNING = 0.01
+LOSS_ERROR = 0.05
+FEW = 20  # messages of a sender, too few to speak of a loss
+
+
+@check(
+    "link_loss",
+    title="Link loss",
+    meaning="Numbers missing in a sender's sequence. They were lost between the sender and "
+    "whoever wrote the log; setpoints on the same link suffer alike.",
+)
+def link_loss(flight: Flight) -> Verdict:
+    """Judge the worst loss of any sender."""
+    senders = [loss for loss in flight.log.losses if loss.received >= FEW]
+    if not senders:
+        return Level.SKIPPED, "too few messages"
+    worst = max(senders, key=lambda loss: loss.fraction)
+    reason = f"{worst.fraction:.2%} of {worst.system}/{worst.component} ({worst.lost} messages)"
+    if worst.fraction > LOSS_ERROR:
+        return Level.ERROR, reason
+    return (Level.WARNING if worst.fraction > LOSS_WARNING else Level.OK), reason
+
+
+@check(
+    "file_damage",
+    title="File damage",
+    meaning="Bytes that are no frame: the file was cut, has holes, or was written by two "
+    "programs. Everything with a good checksum was read all the same.",
+)
+def file_damage(flight: Flight) -> Verdict:
+    """Judge what the file has lost."""
+    damage = flight.log.damage
+    if not damage.regions:
+        return Level.OK, "every byte belongs to a whole record"
+    if damage.is_cut and len(damage.regions) == 1:
+        return Level.WARNING, f"cut within its last record ({damage.lost_bytes} bytes)"
+    places = f"{len(damage.regions)} places" if len(damage.regions) > 1 else "one place"
+    first = flight.seconds(damage.regions[0].time_us)
+    return Level.WARNING, f"{damage.lost_bytes} bytes lost in {places}, first at {first:.1f} s"
+
+
+@check(
+    "clock",
+    title="Clock",
+    meaning="Times in the log that run backwards or leap ahead. Rates, latencies and "
+    "durations across a jump are wrong.",
+)
+def clock(flight: Flight) -> Verdict:
+    """Judge jumps of the log's clock."""
+    damage = flight.log.damage
+    if not damage.has_times:
+        return Level.WARNING, "records carry no times; they were taken from the messages"
+    if damage.jumps:
+        first = damage.jumps[0]
+        at_s, jump_s = flight.seconds(first.time_us), first.jump_us * 1e-6
+        return Level.WARNING, f"{len(damage.jumps)} jumps, first at {at_s:.1f} s by {jump_s:+.1f} s"
+    if damage.mended_times:
+        return Level.WARNING, f"{damage.mended_times} damaged times were replaced"
+    return Level.OK, "runs evenly"
+
+
+@check(
+    "ending",
+    title="How the log ends",
+    meaning="A log that ends in the air was cut off by a crash, a lost link, or a process "
+    "that died.",
+)
+def how_it_ends(flight: Flight) -> Verdict:
+    """Judge whether the log ends on the ground."""
+    if flight.vehicle is None:
+        return Level.SKIPPED, "no autopilot in the log"
+    how = flight.ending
+    return (Level.WARNING if how.startswith(("in the air", "on the ground")) else Level.OK), how

@@ -1,0 +1,137 @@
+"""Checks of the companion's part: setpoints, frames, latency, tracking."""
+
+import numpy as np
+
+from flightstack.logs.checks.face import Level, Verdict, check
+from flightstack.logs.decisions import UNITS, VELOCITIES
+from flightstack.logs.flight import Flight
+
+SLOWEST_HZ = 2.0  # PX4 documents more than 2 Hz for OFFBOARD
+LOSS_S = 1.0  # PX4 COM_OF_LOSS_T: OFFBOARD is left after this long without a setpoint
+STALE_MS = 100.0  # two frames at 20 Hz: the setpoint answers what is long past
+LATE_MS = 50.0  # one frame at 20 Hz
+LEAST_ANSWERED = 0.95
+SLOW_RESPONSE_S = 0.5
+TRACKING_LIMITS = (0.5, 0.5, 0.5, 0.3)  # m/s, m/s, m/s, rad/s: root mean square
+SATURATED_SHARE = 0.2
+
+NOT_OFFBOARD = (Level.SKIPPED, "nothing was flown in OFFBOARD")
+
+
+@check(
+    "setpoint_rate",
+    title="Setpoint rate",
+    meaning="PX4 leaves OFFBOARD when no setpoint came for 1 s, and wants more than 2 Hz. "
+    "Gaps mean that the companion stalled, or that the link dropped its setpoints.",
+)
+def setpoint_rate(flight: Flight) -> Verdict:
+    """Judge the gaps between setpoints while OFFBOARD."""
+    if not flight.offboard:
+        return NOT_OFFBOARD
+    times = flight.offboard_setpoint_times
+    if len(times) < 2:
+        return Level.ERROR, "no setpoints in the log while the vehicle was in OFFBOARD"
+    longest_s = float(np.diff(times).max()) * 1e-6
+    rate_hz = len(times) / max(sum(span.duration_s for span in flight.offboard), 1e-3)
+    reason = f"{rate_hz:.1f} Hz, longest gap {longest_s:.2f} s"
+    if longest_s >= LOSS_S or rate_hz < SLOWEST_HZ:
+        return Level.ERROR, reason
+    return (Level.WARNING if longest_s > 1 / SLOWEST_HZ else Level.OK), reason
+
+
+@check(
+    "frames_answered",
+    title="Frames answered",
+    meaning="Every camera frame should lead to one setpoint. Frames without an answer were "
+    "skipped because the decision took too long, or lost on the way.",
+)
+def frames_answered(flight: Flight) -> Verdict:
+    """Judge the share of camera frames that were answered."""
+    if not flight.answers.frames:
+        return Level.SKIPPED, "no camera triggers in the log while OFFBOARD"
+    answers = flight.answers
+    reason = f"{answers.answered} of {answers.frames} frames answered ({answers.fraction:.1%})"
+    return (Level.OK if answers.fraction >= LEAST_ANSWERED else Level.WARNING), reason
+
+
+@check(
+    "stale_frames",
+    title="Frame-to-setpoint latency",
+    meaning="The time from a camera frame to the setpoint that answers it. At 20 Hz a "
+    "setpoint more than one frame late steers by an outdated picture.",
+)
+def stale_frames(flight: Flight) -> Verdict:
+    """Judge how late setpoints follow their frames."""
+    latency_ms = flight.answers.latency_ms
+    if not len(latency_ms):
+        return Level.SKIPPED, "no setpoint carries the stamp of a camera trigger"
+    p50, p99 = np.percentile(latency_ms, (50, 99)).tolist()
+    reason = f"median {p50:.1f} ms, 99 % within {p99:.1f} ms"
+    if p99 > STALE_MS:
+        return Level.ERROR, reason
+    return (Level.WARNING if p99 > LATE_MS else Level.OK), reason
+
+
+@check(
+    "response_latency",
+    title="Setpoint-to-response lag",
+    meaning="The shift at which the measured velocity fits the commanded one best. A long lag"
+    " means a sluggish controller or a late link; a policy trained with less will "
+    "overshoot its turns.",
+)
+def response_latency(flight: Flight) -> Verdict:
+    """Judge the lag of the vehicle's response."""
+    known = {
+        name: lag
+        for name, lag in zip(VELOCITIES, flight.response_lags_s, strict=True)
+        if lag is not None
+    }
+    if not known:
+        return Level.SKIPPED, "no velocity changed enough in OFFBOARD to measure a lag"
+    reason = ", ".join(f"{name} {lag:.2f} s" for name, lag in known.items())
+    return (Level.WARNING if max(known.values()) > SLOW_RESPONSE_S else Level.OK), reason
+
+
+@check(
+    "tracking_error",
+    title="Tracking error",
+    meaning="Root mean square of setpoint minus response while OFFBOARD. Large errors mean "
+    "that the vehicle cannot do what is asked: limits, wind, gains, or commands that "
+    "jump.",
+)
+def tracking_error(flight: Flight) -> Verdict:
+    """Judge how well the velocities are followed."""
+    if not len(flight.tracking):
+        return Level.SKIPPED, "no velocity setpoints in OFFBOARD"
+    errors = flight.tracking.rms_error().tolist()
+    rows = list(zip(VELOCITIES, UNITS, errors, TRACKING_LIMITS, strict=True))
+    known = [row for row in rows if np.isfinite(row[2])]
+    if not known:
+        return Level.SKIPPED, "no velocity of the vehicle in the log"
+    reason = ", ".join(f"{name} {error:.2f} {unit}" for name, unit, error, _ in known)
+    large = any(error > limit for _, _, error, limit in known)
+    return (Level.WARNING if large else Level.OK), reason
+
+
+@check(
+    "command_saturation",
+    title="Command saturation",
+    meaning="A command that often stands at its largest value is cut off: the policy wants "
+    "more than it may have, and what it wants is no longer seen.",
+)
+def command_saturation(flight: Flight) -> Verdict:
+    """Judge how long commands stand at one extreme value."""
+    commands = flight.tracking.setpoint
+    if len(commands) < 20:
+        return Level.SKIPPED, "too few velocity setpoints in OFFBOARD"
+    shares = {}
+    for name, column in zip(VELOCITIES, commands.T, strict=True):
+        values = np.abs(column[np.isfinite(column)])
+        if len(values) and values.max() > 0 and np.ptp(values) > 0:
+            exactly = np.isclose(values, values.max(), rtol=1e-5)
+            shares[name] = float(exactly.mean())
+    worst = max(shares, key=lambda name: shares[name], default=None)
+    if worst is None:
+        return Level.SKIPPED, "no command changes"
+    reason = f"{worst} stands at its largest value in {shares[worst]:.0%} of the setpoints"
+    return (Level.WARNING if shares[worst] > SATURATED_SHARE else Level.OK), reason
