@@ -47,12 +47,15 @@ class Cascade:
         """Begin in the air, where a hover needs no settling."""
         self._rate.reset()
         self._saturated = ZERO
-        self.position.reset(self.position.hover_integral(hover_thrust))
+        self.position.reset()
+        self.position.reset_hover_thrust(hover_thrust)
 
     def fly(
         self, estimate: Estimate, setpoint: Setpoint, limits: Limits, *, landed: bool
     ) -> MotorThrusts:
         """Follow a setpoint for one tick."""
+        if not landed:
+            self.position.learn_hover_thrust(TICK_S)
         asked = self.position.update(estimate, setpoint, limits, TICK_S)
         self.setpoint, self.asked = setpoint, asked
         return self._turn(estimate, asked, landed=landed)
@@ -70,6 +73,7 @@ class Cascade:
         """Rotors off."""
         yaw = yaw_of(estimate.q_ned_frd)
         self.position.reset()
+        self.position.reset_hover_thrust()
         self._rate.reset()
         self._saturated, self.rates_frd, self.setpoint = ZERO, ZERO, IDLE
         q = estimate.q_ned_frd

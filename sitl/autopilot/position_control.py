@@ -10,6 +10,7 @@ import math
 from math import isnan
 from typing import NamedTuple
 
+from sitl.autopilot.hover_thrust import HoverThrust
 from sitl.autopilot.low_pass import low_pass_gain
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.setpoint import Setpoint
@@ -44,6 +45,8 @@ class PositionControl:
         self.integral: Vector3 = (0.0, 0.0, 0.0)  # m/s2
         self._acceleration: Vector3 = (0.0, 0.0, 0.0)
         self._previous_velocity: Vector3 | None = None
+        self._thrust_down = 0.0  # low-passed like the acceleration, to be compared with it
+        self._hover = HoverThrust(parameters)
         self.load(parameters)
 
     def load(self, parameters: Parameters) -> None:
@@ -53,29 +56,41 @@ class PositionControl:
         self._xy_pid = (p["MPC_XY_VEL_P_ACC"], p["MPC_XY_VEL_I_ACC"], p["MPC_XY_VEL_D_ACC"])
         self._z_pid = (p["MPC_Z_VEL_P_ACC"], p["MPC_Z_VEL_I_ACC"], p["MPC_Z_VEL_D_ACC"])
         self._speed_max = p["MPC_XY_VEL_MAX"]
-        self._hover = p["MPC_THR_HOVER"]
+        self._hover.load(parameters)
         self._thrust_max = p["MPC_THR_MAX"]
         self._xy_margin = p["MPC_THR_XY_MARG"]
         self._derivative_cutoff_hz = p["MPC_VELD_LP"]
 
-    def reset(self, vertical_integral_m_s2: float = 0.0) -> None:
-        """Forget the past: on the ground, or at the start of a flight in the air."""
-        self.integral = (0.0, 0.0, vertical_integral_m_s2)
+    def reset(self) -> None:
+        """Forget the past, while on the ground."""
+        self.integral = (0.0, 0.0, 0.0)
         self._acceleration = (0.0, 0.0, 0.0)
         self._previous_velocity = None
+        self._thrust_down = 0.0
 
-    def hover_integral(self, hover_thrust: float) -> float:
-        """Give the vertical integral (m/s2) at which the true hover thrust comes out."""
-        return GRAVITY_M_S2 * (1.0 - hover_thrust / self._hover)
+    def reset_hover_thrust(self, value: float | None = None) -> None:
+        """Start to learn the hover thrust anew, or know it already."""
+        self._hover.reset(value)
+
+    def learn_hover_thrust(self, dt_s: float) -> None:
+        """Take the last tick's thrust and acceleration in; only while flying freely."""
+        before = self._hover.value
+        self._hover.update(-self._thrust_down, -self._acceleration[2], dt_s)
+        # The integral follows, so that the thrust does not jump.
+        ratio = before / self._hover.value
+        x, y, z = self.integral
+        self.integral = (x, y, (z - GRAVITY_M_S2) * ratio + GRAVITY_M_S2)
 
     def update(
         self, estimate: Estimate, setpoint: Setpoint, limits: Limits, dt_s: float
     ) -> AttitudeSetpoint:
         """Advance by one tick."""
+        self._derivative_gain = low_pass_gain(self._derivative_cutoff_hz, dt_s)
         self._differentiate(estimate.velocity_ned, dt_s)
         velocity = self._velocity(estimate.position_ned, setpoint, limits)
         acceleration = self._acceleration_for(estimate.velocity_ned, velocity, setpoint)
         thrust_ned, collective = self._thrust_for(acceleration, limits)
+        self._thrust_down += self._derivative_gain * (thrust_ned[2] - self._thrust_down)
         self._integrate(estimate.velocity_ned, velocity, acceleration, thrust_ned, limits, dt_s)
         yaw, yaw_rate = setpoint.yaw_rad, setpoint.yaw_rate_rad_s
         if isnan(yaw):  # no heading asked: keep the present one
@@ -95,7 +110,7 @@ class PositionControl:
         if previous is None:
             return
         x, y, z = self._acceleration
-        gain = low_pass_gain(self._derivative_cutoff_hz, dt_s)
+        gain = self._derivative_gain
         self._acceleration = (
             x + gain * ((velocity[0] - previous[0]) / dt_s - x),
             y + gain * ((velocity[1] - previous[1]) / dt_s - y),
@@ -129,12 +144,12 @@ class PositionControl:
     def _thrust_for(self, acceleration: Vector3, limits: Limits) -> tuple[Vector3, float]:
         """Thrust vector (fractions, NED) for an acceleration: tilt first, then magnitude."""
         ax, ay, az = acceleration
-        scale = self._hover / GRAVITY_M_S2
+        scale = self._hover.value / GRAVITY_M_S2
         # Direction of the thrust, as if the vehicle held its height, within the tilt limit.
         horizontal, steepest = math.hypot(ax, ay), GRAVITY_M_S2 * limits.tilt_tan
         shrink = steepest / horizontal if horizontal > steepest else 1.0
         slope = shrink / GRAVITY_M_S2
-        down = min(scale * az - self._hover, -limits.thrust_min)
+        down = min(scale * az - self._hover.value, -limits.thrust_min)
         tx, ty = slope * ax * -down, slope * ay * -down
         # Height first, but a margin stays for the horizontal axes.
         horizontal = math.hypot(tx, ty)
@@ -157,11 +172,13 @@ class PositionControl:
         ex = _or_zero(velocity_setpoint[0] - velocity[0])
         ey = _or_zero(velocity_setpoint[1] - velocity[1])
         ez = _or_zero(velocity_setpoint[2] - velocity[2])
-        at_floor, at_ceiling = thrust_ned[2] >= -limits.thrust_min, self._is_at_ceiling(thrust_ned)
-        if (at_floor and ez >= 0.0) or (at_ceiling and ez <= 0.0):
+        at_floor = thrust_ned[2] >= -limits.thrust_min
+        at_ceiling = thrust_ned[2] <= -self._thrust_max + 1e-9
+        held_down = limits.speed_up_m_s < 0.0  # by the take-off ramp: nothing to learn from
+        if (at_floor and ez >= 0.0) or (at_ceiling and ez <= 0.0) or held_down:
             ez = 0.0
         # Tracking anti-windup: what the thrust can't give of the acceleration counts back.
-        produced = GRAVITY_M_S2 / self._hover
+        produced = GRAVITY_M_S2 / self._hover.value
         dx, dy = (
             acceleration[0] - thrust_ned[0] * produced,
             acceleration[1] - thrust_ned[1] * produced,
@@ -175,9 +192,6 @@ class PositionControl:
         x, y, z = self.integral
         z = min(max(z + i_z * ez, -GRAVITY_M_S2), GRAVITY_M_S2)
         self.integral = (x + i_xy * ex, y + i_xy * ey, z)
-
-    def _is_at_ceiling(self, thrust_ned: Vector3) -> bool:
-        return thrust_ned[2] <= -self._thrust_max + 1e-9
 
 
 def _attitude(thrust_ned: Vector3, yaw_rad: float) -> Quaternion:

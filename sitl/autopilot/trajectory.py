@@ -7,6 +7,7 @@ from sitl.records import Vector3
 
 TICK_S = TICK_US / SECOND_US
 SNAP = 2.0  # ticks of jerk within which a speed counts as reached
+APPROACH_GAIN = 1.5  # 1/s, of the last metre
 LAG_MAX_M = 2.0  # PX4 MPC_XY_ERR_MAX: the motion waits for a vehicle further behind than this
 
 
@@ -75,10 +76,11 @@ class Trajectory:
 
 
 def approach_speed(distance_m: float, acceleration_max: float, jerk: float) -> float:
-    """Give the speed from which one can stop within a distance.
+    """Give the speed from which one can stop within a distance, gently at its end.
 
-    Stopping from v takes v^2 / 2a at full deceleration, and about 2 v a / j to build it up: the
-    positive root of v^2 + (4 a^2 / j) v - 2 a d = 0.
+    Braking from v at full deceleration a, built up and let go at the jerk limit j, takes
+    v^2 / 2a + v a / 2j. Near the target the speed falls in proportion to the distance.
     """
-    half = 2.0 * acceleration_max**2 / jerk
-    return math.sqrt(half * half + 2.0 * acceleration_max * distance_m) - half
+    half = acceleration_max**2 / (2.0 * jerk)
+    braking = math.sqrt(half * half + 2.0 * acceleration_max * distance_m) - half
+    return min(braking, APPROACH_GAIN * distance_m)
