@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from torch import Generator, Tensor
 
 from flightstack.perception.cmvae import sample_normal
+from flightstack.perception.config import PerceptionConfig
 from flightstack.perception.dronet import Dronet, dropout_mask
 from flightstack.perception.preprocessing import network_input
 
@@ -74,6 +75,17 @@ class MeanPosterior:
         with torch.inference_mode():
             mean, _ = self._encoder(network_input(rgb[np.newaxis]))
             return _array(mean)
+
+
+def make_posterior(config: PerceptionConfig, encoder: Dronet) -> LatentPosterior:
+    """Sample an encoder as its configuration says."""
+    match config.sampling:
+        case "mc-dropout":
+            return McDropoutPosterior(encoder, samples=config.samples, within=config.within)
+        case "gaussian":
+            return GaussianPosterior(encoder, samples=config.samples)
+        case "mean":
+            return MeanPosterior(encoder)
 
 
 def _array(z: Tensor) -> NDArray[np.float32]:

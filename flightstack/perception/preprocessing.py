@@ -1,5 +1,6 @@
 """Turn camera bytes into what the encoder reads: float, [-1, 1], channels first."""
 
+import cv2
 import numpy as np
 import torch
 from numpy.typing import NDArray
@@ -7,6 +8,21 @@ from torch import Tensor
 
 IMAGE_SIZE = 64  # pixels; the square image of the paper
 WHITE = 127.5  # half of the byte range: 0..255 becomes -1..1
+
+
+def fit_image(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Cut the middle square out of an image (H, W, 3) of any size and shrink it to 64 x 64.
+
+    An image of that size passes through untouched: the network sees the bytes it was trained on.
+    """
+    height, width, _ = rgb.shape
+    if height == width == IMAGE_SIZE:
+        return rgb
+    side = min(height, width)
+    top, left = (height - side) // 2, (width - side) // 2
+    square = rgb[top : top + side, left : left + side]
+    resized = cv2.resize(square, (IMAGE_SIZE, IMAGE_SIZE), interpolation=cv2.INTER_AREA)
+    return np.asarray(resized, dtype=np.uint8)
 
 
 def network_input(rgb: NDArray[np.uint8]) -> Tensor:

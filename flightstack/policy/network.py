@@ -13,6 +13,7 @@ import math
 import torch
 from torch import Generator, Tensor, nn
 
+from flightstack.policy.config import PolicyConfig
 from flightstack.records import VELOCITIES
 
 LOGVAR_MIDDLE, LOGVAR_HALF = -5.0, 5.0  # network units: sigma from 0.7 % to 100 % of half the range
@@ -38,16 +39,15 @@ class PolicyStack(nn.Module):
 
     def __init__(
         self,
+        config: PolicyConfig,
         *,
-        members: int,
         latent_dims: int,
-        hidden: tuple[int, int],
-        probabilistic: bool,
         generator: Generator,
     ) -> None:
         super().__init__()
-        self.members, self.probabilistic = members, probabilistic
-        outputs = len(VELOCITIES) * (2 if probabilistic else 1)
+        members, hidden = config.members, config.hidden
+        self.probabilistic = config.probabilistic
+        outputs = len(VELOCITIES) * (2 if config.probabilistic else 1)
         self.dense1 = StackedLinear(members, latent_dims, hidden[0], generator)
         self.dense2 = StackedLinear(members, hidden[0], hidden[1], generator)
         self.out = StackedLinear(members, hidden[1], outputs, generator)

@@ -6,6 +6,7 @@ Settings travel with what was trained from them: a checkpoint refuses to go on u
 from dataclasses import dataclass, field
 
 from flightstack.perception.cmvae import LossWeights
+from flightstack.policy.scales import VelocityRange
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +25,25 @@ class PerceptionSettings:
     weights: LossWeights = field(default_factory=LossWeights)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PolicySettings:
+    """How to train one stack of policies on the latents of one frozen encoder."""
+
+    members: int
+    probabilistic: bool
+    epochs: int
+    seed: int = 0
+    batch: int = 128
+    learning_rate: float = 2e-3  # AdamW's peak; cosine to 0
+    weight_decay: float = 1e-4
+    hidden: tuple[int, int] = (256, 64)
+    bootstrap: bool = False  # each member learns from its own draw, with replacement, of the data
+    velocity_range: VelocityRange = field(default_factory=VelocityRange)
+
+
 PERCEPTION_EPOCHS = {"quick": 16, "full": 50}
+POLICY_EPOCHS = {"quick": 60, "full": 60}
+ENSEMBLE_MEMBERS = 5  # paper
 MCD_DROPOUT = 0.2
 
 
@@ -36,4 +55,16 @@ def perception_settings(
         epochs=PERCEPTION_EPOCHS[preset] if epochs is None else epochs,
         seed=seed,
         dropout=MCD_DROPOUT if encoder == "mcd" else 0.0,
+    )
+
+
+def policy_settings(
+    preset: str, *, kind: str, seed: int, epochs: int | None = None
+) -> PolicySettings:
+    """Name the settings of one stack: "ensemble", "single" or "deterministic"."""
+    return PolicySettings(
+        members=ENSEMBLE_MEMBERS if kind == "ensemble" else 1,
+        probabilistic=kind != "deterministic",
+        epochs=POLICY_EPOCHS[preset] if epochs is None else epochs,
+        seed=seed,
     )
