@@ -44,12 +44,18 @@ class Course:
     gates_passed: int = 0
     gates_total: int | None = None
     finished: bool = False
-    failure: CourseFailure | None = None
+    failed: bool = False
+    failure: CourseFailure | None = None  # how it failed, once the referee has said that too
 
     @property
     def known(self) -> bool:
         """Whether there is a referee at all."""
         return self.gates_total is not None
+
+    @property
+    def over(self) -> bool:
+        """Whether the referee has ended the course, either way."""
+        return self.finished or self.failed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,7 +70,7 @@ class Text:
 class Telemetry:
     """One moment's view of the vehicle; times are vehicle time of reception."""
 
-    heartbeat_us: int = 0
+    heartbeat_us: int | None = None  # None until one has come whose time is known
     custom_mode: int = 0
     armed: bool = False
     armable: bool = False
@@ -112,7 +118,7 @@ class TelemetryReceiver:
     def _heartbeat(self, message: Message) -> None:
         self.latest = replace(
             self.latest,
-            heartbeat_us=self._clock.stamp_us,
+            heartbeat_us=self._clock.stamp_us if self._clock.started else None,
             custom_mode=message.custom_mode,
             armed=bool(message.base_mode & common.MAV_MODE_FLAG_SAFETY_ARMED),
             armable=message.system_status == common.MAV_STATE_STANDBY,
@@ -143,11 +149,13 @@ class TelemetryReceiver:
     def _mission_current(self, message: Message) -> None:
         if message.total == NO_TOTAL:
             return
+        said = self.latest.course
         course = replace(
-            self.latest.course,
-            gates_passed=max(self.latest.course.gates_passed, message.seq),
+            said,
+            gates_passed=max(said.gates_passed, message.seq),
             gates_total=message.total,
-            finished=message.mission_state == common.MISSION_STATE_COMPLETE,
+            finished=said.finished or message.mission_state == common.MISSION_STATE_COMPLETE,
+            failed=said.failed or message.mission_state == common.MISSION_STATE_PAUSED,
         )
         self.latest = replace(self.latest, course=course)
 
@@ -170,5 +178,5 @@ class TelemetryReceiver:
     def _judge(self, text: str) -> None:
         for beginning, failure in FAILURES.items():
             if text.startswith(beginning):
-                course = replace(self.latest.course, failure=failure)
+                course = replace(self.latest.course, failed=True, failure=failure)
                 self.latest = replace(self.latest, course=course)

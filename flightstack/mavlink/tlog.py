@@ -68,12 +68,14 @@ class TlogWriter:
             self._written += len(pending)
 
     def close(self) -> None:
-        """Write what is pending and close; more than once does no harm."""
+        """Write what is pending and close; a log that holds nothing is removed."""
         if self._file < 0:
             return
         self.flush()
         os.close(self._file)
         self._file = -1
+        if self._written == 0 and self.failure is None:
+            self.path.unlink(missing_ok=True)
 
     def _cut_back(self) -> None:
         try:

@@ -106,10 +106,20 @@ class UdpTransport:
         self._socket.close()
 
 
+class Opened(Protocol):
+    """A connected socket, or pyserial's Serial."""
+
+    def fileno(self) -> int:
+        """Return the open descriptor."""
+
+    def close(self) -> None:
+        """Close it."""
+
+
 class StreamTransport:
     """A byte stream, from TCP or a serial line, through a non-blocking file descriptor."""
 
-    def __init__(self, owner: socket.socket | "SerialPort") -> None:
+    def __init__(self, owner: Opened) -> None:
         self.closed = False
         self._owner = owner
         self._splitter = FrameSplitter()
@@ -147,16 +157,6 @@ class StreamTransport:
     def close(self) -> None:
         """Let go of the socket or device."""
         self._owner.close()
-
-
-class SerialPort(Protocol):
-    """What is used of pyserial's Serial."""
-
-    def fileno(self) -> int:
-        """Return the descriptor of the open device."""
-
-    def close(self) -> None:
-        """Close the device."""
 
 
 def _connect_tcp(endpoint: Endpoint) -> StreamTransport:

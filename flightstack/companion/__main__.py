@@ -1,0 +1,7 @@
+"""python -m flightstack.companion."""
+
+import sys
+
+from flightstack.companion.cli import main
+
+sys.exit(main())

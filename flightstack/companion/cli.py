@@ -1,0 +1,120 @@
+"""Read the companion's command line, fly, print the result, return the exit code."""
+
+import argparse
+import math
+import sys
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import NoReturn
+
+from flightstack.errors import FlightstackError
+
+PROGRAM = "flightstack.companion"
+DEFAULT_PORT = "14540"  # PX4's port for companions
+DEFAULT_MODEL = "strong/m0"
+EXIT_INTERRUPTED = 130
+EPILOG = """connection strings: 14550, udpin:host:port, udpout:host:port, tcp:host:port,
+/dev/ttyACM0,921600, and MAVSDK's udpin://host:port, udpout://host:port, tcpout://host:port,
+serial:///dev/ttyACM0:57600.
+
+exit codes: 0 done, 1 mission failed, 2 usage, 3 no vehicle, link or camera, 4 bad model,
+130 interrupted. SIGINT and SIGTERM land first; a second one ends at once."""
+
+
+class _Parser(argparse.ArgumentParser):
+    """argparse, with errors of one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {message}; --help lists the options\n")
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Describe the command line."""
+    parser = _Parser(
+        prog=PROGRAM,
+        description="Fly a MAVLink vehicle through gates by what its camera sees.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add = parser.add_argument
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--udp", metavar="PORT", help="listen on this UDP port (default 14540)")
+    where.add_argument("--connect", metavar="STRING", help="connection string, see below")
+    add("--camera", metavar="URI", help="stream, device or file (default: what the vehicle names)")
+    add("--model", default=DEFAULT_MODEL, help=f"which model flies (default {DEFAULT_MODEL})")
+    add("--strategy", help="how it decides (default: the model's)")
+    add("--seed", type=_whole, default=0, help="of the sampling (default 0)")
+    add("--takeoff-altitude", type=_positive, default=3.0, metavar="M", help="m above home (3)")
+    add("--duration", type=_positive, metavar="S", help="fly no longer than this, vehicle time")
+    add("--speed-scale", type=_positive, default=1.0, metavar="X", help="factor on commands (1)")
+    add("--timeout", type=_positive, default=60.0, metavar="S", help="to find the vehicle (60)")
+    add("--log", type=Path, metavar="PATH", help="tlog (default logs/companion-<UTC>.tlog)")
+    add("--json", action="store_true", help="last line of output: the result as JSON")
+    loudness = parser.add_mutually_exclusive_group()
+    loudness.add_argument("-v", "--verbose", action="store_true", help="tell more")
+    loudness.add_argument("-q", "--quiet", action="store_true", help="tell only the result")
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the companion; returns the exit code."""
+    arguments = build_parser().parse_args(argv)
+    try:
+        return _fly(arguments)
+    except FlightstackError as error:
+        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        return error.exit_code
+    except KeyboardInterrupt:
+        print(f"{PROGRAM}: interrupted", file=sys.stderr)
+        return EXIT_INTERRUPTED
+
+
+def _fly(arguments: argparse.Namespace) -> int:
+    # Here, not above: --help and a mistyped option must not wait for OpenCV and torch.
+    from flightstack.companion.flight import FlightPlan, fly  # noqa: PLC0415
+    from flightstack.companion.loop import Pilot  # noqa: PLC0415
+    from flightstack.companion.progress import Progress  # noqa: PLC0415
+    from flightstack.companion.signals import ending_at_once  # noqa: PLC0415
+    from flightstack.mavlink.endpoint import parse_endpoint  # noqa: PLC0415
+
+    plan = FlightPlan(
+        endpoint=parse_endpoint(arguments.connect or arguments.udp or DEFAULT_PORT),
+        log=arguments.log or _default_log(),
+        model=arguments.model,
+        strategy=arguments.strategy or "default",
+        camera=arguments.camera,
+        takeoff_altitude_m=arguments.takeoff_altitude,
+        duration_s=arguments.duration,
+        speed_scale=arguments.speed_scale,
+        timeout_s=arguments.timeout,
+    )
+
+    def load_pilot() -> Pilot:
+        from flightstack.companion.pipeline import load_pipeline  # noqa: PLC0415
+
+        return load_pipeline(arguments.model, arguments.strategy, arguments.seed)
+
+    progress = Progress(verbosity=int(arguments.verbose) - int(arguments.quiet))
+    with ending_at_once():
+        summary = fly(plan, load_pilot, progress)
+    print(summary.to_json() if arguments.json else summary.to_text(), flush=True)
+    return summary.exit_code
+
+
+def _default_log() -> Path:
+    return Path("logs", f"companion-{datetime.now(UTC):%Y%m%dT%H%M%S.%f}"[:-3] + "Z.tlog")
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not (math.isfinite(value) and value > 0):
+        raise argparse.ArgumentTypeError(f"{text} is not a number above 0")
+    return value
+
+
+def _whole(text: str) -> int:
+    value = int(text)
+    if value < 0:
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number from 0")
+    return value

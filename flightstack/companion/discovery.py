@@ -1,0 +1,71 @@
+"""Find the vehicle on the link, and its camera by asking the camera component for its stream.
+
+All waiting here is in wall time: a vehicle in lockstep has its clock stand still until a camera
+client is there.
+"""
+
+import time
+from collections.abc import Callable
+
+from pymavlink.dialects.v20 import common
+
+from flightstack.companion.loop import FrameQueue
+from flightstack.companion.vehicle import Vehicle
+from flightstack.companion.waiting import wait_for_any
+from flightstack.errors import LinkError
+from flightstack.mavlink.commands import CommandSender, request_message
+from flightstack.mavlink.px4 import CAMERA_COMPONENT
+
+ASK_S = 0.5
+IDLE_S = 0.1
+
+
+def wait_for_vehicle(vehicle: Vehicle, timeout_s: float, *, name: str) -> None:
+    """Return once a PX4 vehicle has been heard; raises LinkError after `timeout_s`."""
+    if not _receive_until(vehicle, lambda: vehicle.link.vehicle is not None, timeout_s):
+        raise LinkError(f"no vehicle heard on {name} for {timeout_s:g} s; is it running?")
+    found = vehicle.link.vehicle
+    if found is not None and found.autopilot != common.MAV_AUTOPILOT_PX4:
+        raise LinkError(
+            f"the vehicle on {name} is no PX4 (MAV_AUTOPILOT {found.autopilot}): "
+            "its flight modes are unknown here"
+        )
+
+
+def find_camera(vehicle: Vehicle, timeout_s: float) -> str:
+    """Return the URI of the vehicle's video stream; raises LinkError after `timeout_s`."""
+    ask = request_message(common.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION, CAMERA_COMPONENT)
+    commands = CommandSender(vehicle.link)
+    deadline_s = time.monotonic() + timeout_s
+    while time.monotonic() < deadline_s:
+        commands.request(ask, 0)
+        if _receive_until(vehicle, lambda: vehicle.stream_uri is not None, ASK_S):
+            return str(vehicle.stream_uri)
+    raise LinkError(
+        f"the vehicle named no camera stream for {timeout_s:g} s; name one by --camera URI"
+    )
+
+
+def wait_for_frame(vehicle: Vehicle, camera: FrameQueue, timeout_s: float, *, name: str) -> None:
+    """Return once a frame lies ready; raises LinkError after `timeout_s`."""
+
+    def is_ready() -> bool:
+        return wait_for_any(0, camera)
+
+    if not _receive_until(vehicle, is_ready, timeout_s, camera):
+        raise LinkError(f"camera {name} gave no frame for {timeout_s:g} s")
+
+
+def _receive_until(
+    vehicle: Vehicle, found: Callable[[], bool], timeout_s: float, *also: FrameQueue
+) -> bool:
+    deadline_s = time.monotonic() + timeout_s
+    while not found():
+        left_s = deadline_s - time.monotonic()
+        if left_s <= 0:
+            return False
+        wait_for_any(min(left_s, IDLE_S), vehicle.link, *also)
+        vehicle.receive()
+        vehicle.keep_up(vehicle.link.clock.stamp_us)
+        vehicle.link.tlog.flush_if_due()
+    return True

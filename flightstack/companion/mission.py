@@ -1,0 +1,296 @@
+"""Decide what the companion does next: a state machine without socket, thread or clock.
+
+    WAITING --ready--> ARMING --armed--> TAKING_OFF --holds in the air--> ENTERING_OFFBOARD
+       |                  |                   |                                |
+       |                  |                   |                       OFFBOARD in HEARTBEAT
+       |                  |                   |                                v
+       |                  +-- hazard, refusal, end of the course, duration -- FLYING
+       |                                      |                                |
+       |                                      v                     OFFBOARD was left
+       |                                   LANDING <-- OFFBOARD again -- TAKEN_OVER
+       |                                      |                                |
+       +-- hazard or refusal --> DONE <-- disarmed ----------------------------+
+
+A hazard is a request to stop (a signal), a camera that gives no frames, or a vehicle whose
+heartbeat has stopped. `advance` is called for each camera frame, and at the same pace without
+frames when they have stopped. It answers with the requests to send: each is made again after
+RETRY_US until its effect shows in the vehicle's HEARTBEAT, and given up after the phase's limit.
+A vehicle that somebody else takes out of a mode is not fought over.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import Enum
+
+from flightstack.mavlink.px4 import Px4Mode
+from flightstack.mavlink.telemetry import Course, CourseFailure, Landed, Telemetry
+
+SECOND_US = 1_000_000
+PRESTREAM_US = SECOND_US  # PX4 documents a second of setpoints before OFFBOARD
+RETRY_US = 3 * SECOND_US  # HEARTBEAT shows an effect up to 1 s late
+GROUNDED_US = 4 * SECOND_US  # PX4 disarms by itself COM_DISARM_LAND (2 s) after landing
+CAMERA_LOST_US = 2_500_000  # 0.5 s until the vehicle is held, 2 s more
+HEARTBEAT_LOST_US = 3 * SECOND_US
+
+
+class Phase(Enum):
+    """Where the mission stands."""
+
+    WAITING = "waiting until the vehicle can be armed"
+    ARMING = "arming"
+    TAKING_OFF = "taking off"
+    ENTERING_OFFBOARD = "entering offboard"
+    FLYING = "flying"
+    TAKEN_OVER = "taken over"
+    LANDING = "landing"
+    DONE = "done"
+
+
+class Outcome(Enum):
+    """How a flight ended."""
+
+    COMPLETED = "completed"
+    MISSED_GATE = "missed_gate"
+    COLLISION = "collision"
+    TIMEOUT = "timeout"
+    TAKEN_OVER = "taken_over"
+    REFUSED = "refused"
+    INTERRUPTED = "interrupted"
+    CAMERA_LOST = "camera_lost"
+    LINK_LOST = "link_lost"
+
+
+class Request(Enum):
+    """What the mission wants of the vehicle."""
+
+    HOME_POSITION = "home position"
+    ARM = "arm"
+    DISARM = "disarm"
+    TAKE_OFF = "take off"
+    LAND = "land"
+    HOLD_MODE = "hold mode"
+    OFFBOARD_MODE = "offboard mode"
+
+
+LIMITS_US = {
+    Phase.WAITING: 180 * SECOND_US,  # a position estimate may take minutes outdoors
+    Phase.ARMING: 20 * SECOND_US,
+    Phase.TAKING_OFF: 60 * SECOND_US,
+    Phase.ENTERING_OFFBOARD: 15 * SECOND_US,
+    Phase.LANDING: 120 * SECOND_US,
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Situation:
+    """What the mission knows of the world at one moment; times are vehicle time."""
+
+    vehicle: Telemetry
+    frame_us: int  # stamp of the newest camera frame
+    stop_requested: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MissionState:
+    """Where the mission stands, and since when (vehicle time)."""
+
+    duration_us: int | None = None  # to fly in OFFBOARD at most
+    phase: Phase = Phase.WAITING
+    entered_us: int | None = None
+    requested_us: int | None = None  # the last request of this phase
+    confirmed: bool = False  # the mode that this phase asked for has been seen
+    offboard_us: int | None = None  # when FLYING began
+    ended_us: int | None = None  # when FLYING ended
+    outcome: Outcome | None = None
+
+
+Step = tuple[MissionState, tuple[Request, ...]]
+
+
+def advance(state: MissionState, situation: Situation, now_us: int) -> Step:
+    """Move on by what is known now; return the new state and what to ask of the vehicle."""
+    if state.entered_us is None:
+        state = replace(state, entered_us=now_us)
+    hazard = _hazard(state, situation, now_us)
+    if hazard is not None:
+        return _end(state, hazard, situation.vehicle, now_us)
+    if _in_phase_us(state, now_us) > LIMITS_US.get(state.phase, now_us + 1):
+        return _give_up(state, situation.vehicle, now_us)
+    return STEPS[state.phase](state, situation.vehicle, now_us)
+
+
+def _waiting(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
+    if vehicle.course.over:  # by an earlier flight: this vehicle's referee has no more to say
+        return _end(state, Outcome.REFUSED, vehicle, now_us)
+    if vehicle.home_altitude_amsl_m is None:
+        return _ask(state, Request.HOME_POSITION, now_us)
+    if _in_phase_us(state, now_us) < PRESTREAM_US:
+        return state, ()
+    return (
+        _begin_armed(state, vehicle, now_us) if vehicle.armed else _prepare(state, vehicle, now_us)
+    )
+
+
+def _prepare(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
+    if vehicle.armable:
+        return _enter(state, Phase.ARMING, now_us, Request.ARM)
+    if vehicle.custom_mode in (Px4Mode.LOITER, Px4Mode.OFFBOARD):
+        return state, ()
+    return _ask(state, Request.HOLD_MODE, now_us)  # some modes cannot be armed in
+
+
+def _begin_armed(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
+    """Go on from where somebody has brought the vehicle: armed on the ground, or holding."""
+    if vehicle.landed is Landed.ON_GROUND:
+        return _enter(state, Phase.TAKING_OFF, now_us, Request.TAKE_OFF)
+    if vehicle.landed is Landed.IN_AIR and vehicle.custom_mode == Px4Mode.LOITER:
+        return _enter(state, Phase.ENTERING_OFFBOARD, now_us, Request.OFFBOARD_MODE)
+    return state, ()
+
+
+def _arming(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
+    if vehicle.armed:
+        return _enter(state, Phase.TAKING_OFF, now_us, Request.TAKE_OFF)
+    return _ask(state, Request.ARM, now_us)
+
+
+def _taking_off(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
+    if not vehicle.armed:
+        return _end(state, Outcome.REFUSED, vehicle, now_us)
+    if vehicle.custom_mode == Px4Mode.TAKEOFF:
+        return replace(state, confirmed=True), ()
+    if not state.confirmed:
+        return _ask(state, Request.TAKE_OFF, now_us)
+    if vehicle.custom_mode != Px4Mode.LOITER:
+        return _lose_control(state, now_us)
+    if vehicle.landed is Landed.IN_AIR:
+        return _enter(state, Phase.ENTERING_OFFBOARD, now_us, Request.OFFBOARD_MODE)
+    return state, ()
+
+
+def _entering_offboard(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
+    if not vehicle.armed:
+        return _lose_control(state, now_us)
+    if vehicle.custom_mode == Px4Mode.OFFBOARD:
+        state, requests = _enter(state, Phase.FLYING, now_us)
+        return replace(state, offboard_us=now_us), requests
+    if vehicle.custom_mode != Px4Mode.LOITER:
+        return _lose_control(state, now_us)
+    return _ask(state, Request.OFFBOARD_MODE, now_us)
+
+
+def _flying(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
+    course = vehicle.course
+    if course.over:
+        return _end(state, _judgement(course), vehicle, now_us)
+    if not vehicle.armed or vehicle.custom_mode != Px4Mode.OFFBOARD:
+        return _lose_control(state, now_us)
+    if _time_is_up(state, now_us):  # the end of a course that is still being flown, or of all
+        outcome = Outcome.TIMEOUT if course.known else Outcome.COMPLETED
+        return _end(state, outcome, vehicle, now_us)
+    return state, ()
+
+
+def _taken_over(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
+    if not vehicle.armed or _time_is_up(state, now_us):
+        return _enter(state, Phase.DONE, now_us)
+    if vehicle.custom_mode == Px4Mode.OFFBOARD:  # a failsafe has recovered: nobody else steers
+        return _enter(state, Phase.LANDING, now_us, Request.LAND)
+    return state, ()
+
+
+def _landing(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
+    if not vehicle.armed and (vehicle.heartbeat_us or 0) > (state.entered_us or 0):
+        return _enter(state, Phase.DONE, now_us)
+    if vehicle.landed is Landed.ON_GROUND:
+        if now_us - vehicle.landed_us < GROUNDED_US:
+            return state, ()
+        return _ask(state, Request.DISARM, now_us)
+    if vehicle.custom_mode == Px4Mode.LAND:
+        return replace(state, confirmed=True), ()
+    return (state, ()) if state.confirmed else _ask(state, Request.LAND, now_us)
+
+
+STEPS: dict[Phase, Callable[[MissionState, Telemetry, int], Step]] = {
+    Phase.WAITING: _waiting,
+    Phase.ARMING: _arming,
+    Phase.TAKING_OFF: _taking_off,
+    Phase.ENTERING_OFFBOARD: _entering_offboard,
+    Phase.FLYING: _flying,
+    Phase.TAKEN_OVER: _taken_over,
+    Phase.LANDING: _landing,
+    Phase.DONE: lambda state, _vehicle, _now_us: (state, ()),
+}
+
+
+def _hazard(state: MissionState, situation: Situation, now_us: int) -> Outcome | None:
+    if state.phase in (Phase.LANDING, Phase.DONE):
+        return None
+    if situation.stop_requested:
+        return Outcome.INTERRUPTED
+    if state.phase is Phase.TAKEN_OVER:
+        return None
+    if now_us - situation.frame_us > CAMERA_LOST_US:
+        return Outcome.CAMERA_LOST
+    heartbeat_us = situation.vehicle.heartbeat_us
+    if heartbeat_us is not None and now_us - heartbeat_us > HEARTBEAT_LOST_US:
+        return Outcome.LINK_LOST
+    return None
+
+
+def _judgement(course: Course) -> Outcome:
+    if course.finished:
+        return Outcome.COMPLETED
+    collided = course.failure is CourseFailure.COLLISION
+    return Outcome.COLLISION if collided else Outcome.MISSED_GATE
+
+
+def _in_phase_us(state: MissionState, now_us: int) -> int:
+    return now_us - (now_us if state.entered_us is None else state.entered_us)
+
+
+def _time_is_up(state: MissionState, now_us: int) -> bool:
+    if state.duration_us is None or state.offboard_us is None:
+        return False
+    return now_us - state.offboard_us >= state.duration_us
+
+
+def _enter(state: MissionState, phase: Phase, now_us: int, *requests: Request) -> Step:
+    requested_us = now_us if requests else None
+    entered = replace(
+        state, phase=phase, entered_us=now_us, requested_us=requested_us, confirmed=False
+    )
+    return entered, requests
+
+
+def _ask(state: MissionState, request: Request, now_us: int) -> Step:
+    if state.requested_us is not None and now_us - state.requested_us < RETRY_US:
+        return state, ()
+    return replace(state, requested_us=now_us), (request,)
+
+
+def _end(state: MissionState, outcome: Outcome, vehicle: Telemetry, now_us: int) -> Step:
+    """Land what we have lifted, and leave alone what we have not touched or no longer steer."""
+    state = _conclude(state, outcome, now_us)
+    if state.phase in (Phase.WAITING, Phase.TAKEN_OVER):
+        return _enter(state, Phase.DONE, now_us)
+    on_ground = vehicle.landed is Landed.ON_GROUND
+    return _enter(state, Phase.LANDING, now_us, Request.DISARM if on_ground else Request.LAND)
+
+
+def _lose_control(state: MissionState, now_us: int) -> Step:
+    return _enter(_conclude(state, Outcome.TAKEN_OVER, now_us), Phase.TAKEN_OVER, now_us)
+
+
+def _give_up(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
+    if state.phase is not Phase.LANDING:
+        return _end(state, Outcome.REFUSED, vehicle, now_us)
+    if state.outcome is Outcome.COMPLETED:  # it is not done while the motors run
+        state = replace(state, outcome=Outcome.REFUSED)
+    return _enter(state, Phase.DONE, now_us)
+
+
+def _conclude(state: MissionState, outcome: Outcome, now_us: int) -> MissionState:
+    if state.outcome is not None:  # what ended the flight first stays the reason
+        return state
+    return replace(state, outcome=outcome, ended_us=now_us)

@@ -1,0 +1,84 @@
+"""Turn what happens in flight into lines: phases, gates, the vehicle's own words, what is wrong."""
+
+import math
+
+from flightstack.companion.mission import MissionState, Phase
+from flightstack.companion.progress import Progress
+from flightstack.companion.vehicle import Vehicle
+from flightstack.mavlink.commands import command_name
+from flightstack.mavlink.px4 import mode_name
+from flightstack.mavlink.telemetry import Telemetry
+from flightstack.mavlink.uncertainty import total_std_m_s
+from flightstack.records import Decision
+
+WARNING_SEVERITY = 4  # MAV_SEVERITY_WARNING; a smaller number is more urgent
+
+
+class Reporter:
+    """Compare each turn of the loop with the one before, and tell the difference."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self._phase: Phase | None = None
+        self._gates_passed = 0
+        self._decision: Decision | None = None
+        self._warned: set[str] = set()
+
+    def note_decision(self, decision: Decision) -> None:
+        """Remember the newest decision: its uncertainty is told with the next gate."""
+        self._decision = decision
+
+    def warn_once(self, text: str) -> None:
+        """Tell of something wrong, the first time only."""
+        if text not in self._warned:
+            self._warned.add(text)
+            self._progress.warning(text)
+
+    def report(self, state: MissionState, vehicle: Vehicle) -> None:
+        """Tell what is new."""
+        telemetry = vehicle.telemetry
+        for text in vehicle.drain_texts():
+            tell = (
+                self._progress.event if text.severity <= WARNING_SEVERITY else self._progress.detail
+            )
+            tell(f"vehicle: {text.text}")
+        for refusal in vehicle.drain_refusals():
+            self._progress.event(f"{command_name(refusal.command)}: {refusal.reason}")
+        if vehicle.link.tlog.failure is not None:
+            self.warn_once(vehicle.link.tlog.failure)
+        if telemetry.course.gates_passed > self._gates_passed:
+            self._gates_passed = telemetry.course.gates_passed
+            self._progress.event(self._flight_line(state, vehicle))
+        if state.phase is not self._phase:
+            self._phase = state.phase
+            self._progress.event(_phase_line(state, telemetry))
+        if state.phase is Phase.FLYING and self._progress.wants_live:
+            self._progress.live(self._flight_line(state, vehicle))
+
+    def _flight_line(self, state: MissionState, vehicle: Vehicle) -> str:
+        telemetry = vehicle.telemetry
+        since_us = state.offboard_us
+        flown_s = 0.0 if since_us is None else (vehicle.link.clock.stamp_us - since_us) / 1e6
+        parts = [f"{flown_s:7.2f} s"]
+        if telemetry.course.known:
+            parts.append(f"gate {telemetry.course.gates_passed}/{telemetry.course.gates_total}")
+        if telemetry.velocity_ned is not None:
+            parts.append(f"{math.hypot(*telemetry.velocity_ned):4.1f} m/s")
+        if self._decision is not None:
+            parts.append(f"uncertainty {total_std_m_s(self._decision):.2f} m/s")
+        return "   ".join(parts)
+
+
+def announcement(state: MissionState) -> str:
+    """Say in one STATUSTEXT where the mission stands."""
+    reason = "" if state.outcome is None else f", {state.outcome.value}"
+    return f"Companion: {state.phase.name.lower()}{reason}".replace("_", " ")
+
+
+def _phase_line(state: MissionState, telemetry: Telemetry) -> str:
+    if state.phase is Phase.TAKEN_OVER:
+        return f"taken over: the vehicle is in {mode_name(telemetry.custom_mode)}, hands off"
+    reason = f" ({state.outcome.value.replace('_', ' ')})" if state.outcome else ""
+    if telemetry.course.over and state.offboard_us is None:
+        reason = " (its course is over already: restart the vehicle)"
+    return f"{state.phase.value}{reason}"

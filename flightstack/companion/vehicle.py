@@ -1,0 +1,100 @@
+"""Hold all that the companion exchanges with its vehicle over MAVLink in one hand."""
+
+from pymavlink.dialects.v20 import common
+
+from flightstack.companion.mission import Request
+from flightstack.mavlink import commands
+from flightstack.mavlink.commands import Command, CommandSender, Refusal
+from flightstack.mavlink.heartbeat import HeartbeatSender
+from flightstack.mavlink.link import Link
+from flightstack.mavlink.offboard import Velocities, velocity_setpoint
+from flightstack.mavlink.px4 import Px4Mode
+from flightstack.mavlink.telemetry import Telemetry, TelemetryReceiver, Text
+from flightstack.mavlink.uncertainty import UncertaintyPublisher
+from flightstack.records import Decision
+
+TEXT_BYTES = 50  # of one STATUSTEXT
+
+
+class Vehicle:
+    """The vehicle as the companion sees and addresses it; for one thread."""
+
+    def __init__(self, link: Link, takeoff_altitude_m: float) -> None:
+        self.link = link
+        self.setpoints = 0  # sent so far
+        self._takeoff_altitude_m = takeoff_altitude_m
+        self._receiver = TelemetryReceiver(link.clock)
+        self._commands = CommandSender(link)
+        self._heartbeat = HeartbeatSender(link.send)
+        self._uncertainty = UncertaintyPublisher(link.send)
+        self._refusals: list[Refusal] = []
+
+    @property
+    def telemetry(self) -> Telemetry:
+        """The newest view; a record that never changes."""
+        return self._receiver.latest
+
+    @property
+    def stream_uri(self) -> str | None:
+        """Where the vehicle's camera says its stream is."""
+        return self._receiver.stream_uri
+
+    def receive(self) -> None:
+        """Take in all that has arrived."""
+        for message in self.link.drain():
+            if message.get_msgId() != common.MAVLINK_MSG_ID_COMMAND_ACK:
+                self._receiver.update(message)
+            elif refusal := self._commands.acknowledge(message):
+                self._refusals.append(refusal)
+
+    def drain_texts(self) -> list[Text]:
+        """Return what the vehicle and its referee have said since the last call."""
+        return self._receiver.drain_texts()
+
+    def drain_refusals(self) -> list[Refusal]:
+        """Return the commands that were denied or never acknowledged since the last call."""
+        refusals, self._refusals = self._refusals, []
+        return refusals
+
+    def request(self, request: Request, now_us: int) -> None:
+        """Send the command that a request of the mission stands for."""
+        self._commands.request(self._command(request), now_us)
+
+    def abandon(self) -> None:
+        """Ask for a landing with our last word; no answer is awaited."""
+        self.request(Request.LAND, self.link.clock.stamp_us)
+
+    def keep_up(self, now_us: int) -> None:
+        """Send what is due: our heartbeat, and commands that were not acknowledged."""
+        self._heartbeat.send_if_due(now_us)
+        self._refusals += self._commands.poll(now_us)
+
+    def explain(self, decision: Decision, stamp_us: int) -> None:
+        """Publish how sure a decision is."""
+        self._uncertainty.publish(decision, stamp_us)
+
+    def steer(self, velocities: Velocities, stamp_us: int) -> None:
+        """Send the setpoint that answers the frame of this stamp."""
+        self.link.send(velocity_setpoint(self.link.system_id, stamp_us, velocities))
+        self.setpoints += 1
+
+    def announce(self, text: str) -> None:
+        """Send a line for the people who watch the vehicle."""
+        line = text.encode()[:TEXT_BYTES]
+        self.link.send(common.MAVLink_statustext_message(common.MAV_SEVERITY_INFO, line))
+
+    def _command(self, request: Request) -> Command:
+        if request is Request.TAKE_OFF:
+            home_amsl_m = self.telemetry.home_altitude_amsl_m or 0.0  # known before arming
+            return commands.take_off(home_amsl_m + self._takeoff_altitude_m)
+        return COMMANDS[request]
+
+
+COMMANDS = {
+    Request.HOME_POSITION: commands.request_message(common.MAVLINK_MSG_ID_HOME_POSITION),
+    Request.ARM: commands.arm(),
+    Request.DISARM: commands.disarm(),
+    Request.LAND: commands.land(),
+    Request.HOLD_MODE: commands.set_mode(Px4Mode.LOITER),
+    Request.OFFBOARD_MODE: commands.set_mode(Px4Mode.OFFBOARD),
+}

@@ -1,0 +1,245 @@
+"""The companion against a small vehicle in lockstep, over real UDP and HTTP."""
+
+import json
+import math
+import os
+import signal
+import socket
+import threading
+from collections.abc import Iterator
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pymavlink import mavutil
+from pymavlink.dialects.v20 import common
+
+from flightstack.companion.flight import FlightPlan, fly
+from flightstack.companion.mission import Outcome
+from flightstack.companion.progress import Progress
+from flightstack.companion.summary import Summary
+from flightstack.mavlink.endpoint import parse_endpoint
+from flightstack.records import ALL_MEMBERS, Decision, Frame
+from tests.wire.fake_vehicle import HOME_AMSL_M, FakeVehicle, Script
+
+FORWARD_M_S = 2.0
+
+
+class ForwardPilot:
+    """Flies straight on, whatever it sees."""
+
+    def __init__(self, command: tuple[float, float, float, float] = (FORWARD_M_S, 0, 0, 0)) -> None:
+        self.command = np.array(command, float)
+        self.frames: list[Frame] = []
+
+    def decide(self, frame: Frame) -> Decision:
+        self.frames.append(frame)
+        return Decision(
+            command=self.command,
+            aleatoric_std=np.full(4, 0.3),
+            epistemic_std=np.full(4, 0.2),
+            perceptual_std=np.full(4, 0.1),
+            score=np.zeros((5, 4)),
+            member=np.full(4, ALL_MEMBERS),
+            modes=np.ones(4, int),
+        )
+
+
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+class Trial:
+    """One flight of the companion with the fake vehicle, and what either side saw."""
+
+    def __init__(self, tmp_path: Path, script: Script, **plan: object) -> None:
+        port = free_port()
+        self.pilot = ForwardPilot()
+        self.output = StringIO()
+        self.vehicle = FakeVehicle(port, script)
+        self.plan = FlightPlan(
+            endpoint=parse_endpoint(f"udpin:127.0.0.1:{port}"),
+            log=tmp_path / "flight.tlog",
+            model="none",
+            strategy="forward",
+            timeout_s=10.0,
+            **plan,  # type: ignore[arg-type]
+        )
+
+    def fly(self) -> Summary:
+        with self.vehicle:
+            return fly(self.plan, lambda: self.pilot, Progress(verbosity=1, stream=self.output))
+
+
+def test_flies_the_course_lands_and_disarms(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script())
+    summary = trial.fly()
+    assert summary.outcome is Outcome.COMPLETED
+    assert (summary.gates_passed, summary.gates_total, summary.exit_code) == (3, 3, 0)
+    assert not trial.vehicle.armed
+    assert trial.vehicle.takeoff_amsl_m == pytest.approx(HOME_AMSL_M + 3.0, abs=1e-3)
+    assert summary.duration_s == pytest.approx(1.5, abs=1.0)
+    assert "gate 3/3" in trial.output.getvalue()
+
+
+def test_answers_each_frame_with_one_setpoint(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script())
+    summary = trial.fly()
+    setpoints = trial.vehicle.setpoints()
+    stamps = [setpoint.time_boot_ms for setpoint in setpoints]
+    assert stamps == list(range(0, 50 * len(stamps), 50))
+    assert summary.setpoints == summary.frames == len(stamps)
+    assert {(s.coordinate_frame, s.type_mask) for s in setpoints} == {(8, 0x5C7)}
+    moving = [s.time_boot_ms for s in setpoints if s.vx]
+    assert moving == [frame.stamp_us // 1000 for frame in trial.pilot.frames]
+    assert all(frame.rgb[0, 0].tolist() == [30, 20, 10] for frame in trial.pilot.frames)
+
+
+def test_identifies_as_the_vehicles_companion(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script())
+    trial.fly()
+    sources = {(m.get_srcSystem(), m.get_srcComponent()) for m in trial.vehicle.received}
+    beats = [m for m in trial.vehicle.received if m.get_type() == "HEARTBEAT"]
+    assert sources == {(1, 191)}
+    assert {(beat.type, beat.autopilot) for beat in beats} == {(18, 8)}
+    assert len(beats) >= trial.vehicle.time_us // 1_000_000
+
+
+def test_explains_each_decision(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script())
+    trial.fly()
+    arrays = [m for m in trial.vehicle.received if m.get_type() == "DEBUG_FLOAT_ARRAY"]
+    named = [m for m in trial.vehicle.received if m.get_type() == "NAMED_VALUE_FLOAT"]
+    assert [m.time_usec for m in arrays] == [frame.stamp_us for frame in trial.pilot.frames]
+    assert arrays[0].data[24:28] == [FORWARD_M_S, 0, 0, 0]
+    assert named[0].name == "unc_alea"
+    assert named[0].value == pytest.approx(0.3 * math.sqrt(3))
+
+
+def test_two_flights_in_lockstep_are_the_same(tmp_path: Path) -> None:
+    flights = []
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        trial = Trial(tmp_path / name, Script())
+        trial.fly()
+        sent = [m for m in trial.vehicle.received if m.get_type() != "HEARTBEAT"]
+        flights.append([m.get_msgbuf()[10:-2] for m in sent if m.get_type() != "COMMAND_LONG"])
+    assert flights[0] == flights[1]
+
+
+def test_speed_scale_multiplies_the_command(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script(), speed_scale=0.5)
+    trial.fly()
+    assert {s.vx for s in trial.vehicle.setpoints()} == {0.0, 0.5 * FORWARD_M_S}
+
+
+def test_a_missed_gate_ends_the_flight(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script(missed_gate=True))
+    summary = trial.fly()
+    assert (summary.outcome, summary.exit_code) == (Outcome.MISSED_GATE, 1)
+    assert summary.gates_passed == 1
+    assert not trial.vehicle.armed
+    assert "Missed gate 1: 2.1 m right" in trial.output.getvalue()
+
+
+def test_without_referee_it_flies_for_its_duration(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script(gates=None), duration_s=2.0)
+    summary = trial.fly()
+    assert (summary.outcome, summary.exit_code) == (Outcome.COMPLETED, 0)
+    assert summary.duration_s == pytest.approx(2.0)
+    assert json.loads(summary.to_json())["gates_total"] is None
+
+
+def test_an_unfinished_course_times_out(tmp_path: Path) -> None:
+    summary = Trial(tmp_path, Script(gates=100), duration_s=1.0).fly()
+    assert (summary.outcome, summary.exit_code) == (Outcome.TIMEOUT, 1)
+
+
+def test_lost_commands_are_sent_again(tmp_path: Path) -> None:
+    lost = {
+        common.MAV_CMD_COMPONENT_ARM_DISARM,
+        common.MAV_CMD_NAV_TAKEOFF,
+        common.MAV_CMD_DO_SET_MODE,
+        common.MAV_CMD_NAV_LAND,
+        common.MAV_CMD_REQUEST_MESSAGE,
+    }
+    trial = Trial(tmp_path, Script(ignored_commands=lost))
+    assert trial.fly().outcome is Outcome.COMPLETED
+    assert not trial.vehicle.script.ignored_commands
+
+
+def test_hands_off_when_the_vehicle_leaves_offboard(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script(gates=None, leave_offboard_after=40), duration_s=4.0)
+    summary = trial.fly()
+    assert (summary.outcome, summary.exit_code) == (Outcome.TAKEN_OVER, 1)
+    assert common.MAV_CMD_NAV_LAND not in trial.vehicle.commands()
+    assert trial.vehicle.setpoints()[-1].vx == 0
+
+
+def test_holds_then_lands_when_frames_stop(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script(gates=None, frames_stop_after=40))
+    summary = trial.fly()
+    assert (summary.outcome, summary.exit_code) == (Outcome.CAMERA_LOST, 3)
+    assert not trial.vehicle.armed
+    held = [s for s in trial.vehicle.setpoints() if s.time_boot_ms * 1000 % 50_000 == 0][-20:]
+    assert {s.vx for s in held} == {0.0}
+
+
+def test_a_stream_that_breaks_is_opened_again(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script(stream_breaks_after=30))
+    assert trial.fly().outcome is Outcome.COMPLETED
+
+
+def test_a_silent_vehicle_is_lost_within_5_s(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script(gates=None, silent_after=30))
+    summary = trial.fly()
+    assert (summary.outcome, summary.exit_code) == (Outcome.LINK_LOST, 3)
+    last = trial.vehicle.received[-1]
+    assert (last.get_type(), last.command) == ("COMMAND_LONG", common.MAV_CMD_NAV_LAND)
+    assert sum(1 for _ in read_tlog(trial.plan.log)) > 100
+
+
+def test_never_sends_what_is_not_finite(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script(gates=None), duration_s=1.0)
+    trial.pilot.command[1] = math.nan
+    assert trial.fly().outcome is Outcome.COMPLETED
+    assert {s.vx for s in trial.vehicle.setpoints()} == {0.0}
+    assert trial.output.getvalue().count("not finite") == 1
+
+
+def test_the_log_holds_both_directions_in_vehicle_time(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script())
+    summary = trial.fly()
+    records = list(read_tlog(trial.plan.log))
+    setpoints = [m for m in records if m.get_type() == "SET_POSITION_TARGET_LOCAL_NED"]
+    assert len(setpoints) == summary.setpoints
+    gaps = np.diff([m._timestamp for m in setpoints])
+    assert np.median(gaps) == pytest.approx(0.05, abs=1e-3)
+    assert {m.get_srcComponent() for m in records} == {1, 25, 100, 191}
+
+
+def test_a_signal_lands_first(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script(gates=None))
+
+    def interrupt() -> None:
+        trial.vehicle.flying.wait(20)
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    thread = threading.Thread(target=interrupt)
+    thread.start()
+    summary = trial.fly()
+    thread.join()
+    assert (summary.outcome, summary.exit_code) == (Outcome.INTERRUPTED, 130)
+    assert not trial.vehicle.armed
+
+
+def read_tlog(path: Path) -> Iterator[Any]:
+    log = mavutil.mavlink_connection(str(path), dialect="common")
+    while (message := log.recv_match()) is not None:
+        yield message
+    log.close()
