@@ -33,6 +33,11 @@ class VehicleClock:
         return 0 if self._anchor is None else self._anchor[0]
 
     @property
+    def started(self) -> bool:
+        """Whether any stamp has been seen."""
+        return self._anchor is not None
+
+    @property
     def elapsed_us(self) -> int:
         """Vehicle time since the first stamp seen; never negative, even after a reboot."""
         if self._first_us is None:
