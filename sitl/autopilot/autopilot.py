@@ -120,8 +120,9 @@ class Autopilot:
         return self._commands.set_mode(main, sub)
 
     def offboard_setpoint(self, setpoint: OffboardSetpoint) -> None:
-        """Take a setpoint of the offboard stream."""
+        """Take a setpoint of the offboard stream; OFFBOARD may be asked for right after it."""
         self._offboard.receive(setpoint)
+        self._commander.health = self._commander.health._replace(offboard_available=True)
 
     def drain_texts(self) -> list[StatusText]:
         """Take the texts that came up since the last call."""
@@ -200,7 +201,7 @@ class Autopilot:
         if not in_flight:
             return self._navigator.wait(estimate)
         setpoint = self._navigator.advance(estimate)
-        if self._navigator.takeoff_done:
+        if self._navigator.takeoff_done(estimate):
             self._navigator.hold_where_takeoff_leads()
             self._commander.continue_as_hold()
         return setpoint

@@ -74,10 +74,9 @@ class Navigator:
         """Go from take-off to hold without a break in the motion."""
         self._mode = Mode.HOLD
 
-    @property
-    def takeoff_done(self) -> bool:
-        """Whether a take-off has come close enough to its altitude."""
-        left = self._goal.position_ned[2] - self._trajectory.position[2]
+    def takeoff_done(self, estimate: Estimate) -> bool:
+        """Whether a take-off has brought the vehicle itself close enough to its altitude."""
+        left = self._goal.position_ned[2] - estimate.position_ned[2]
         return self._mode is Mode.TAKEOFF and abs(left) < self._altitude_radius
 
     @property
