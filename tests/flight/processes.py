@@ -17,8 +17,6 @@ ENVIRONMENT = {"OMP_NUM_THREADS": "1"} | os.environ
 FAST = ("--speed-factor", "0")  # as fast as possible
 LOCKSTEP = ("--lockstep", *FAST)
 
-__all__ = ["API_PORT", "free_instance"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pair:

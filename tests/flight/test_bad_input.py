@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.flight.processes import API_PORT, ROOT, Ended, free_instance, run, run_module
+from scripts.fly_course import API_PORT, free_instance
+from tests.flight.processes import ROOT, Ended, run, run_module
 
 pytestmark = pytest.mark.flight
 USAGE, NO_LINK, BAD_MODEL = 2, 3, 4

@@ -12,11 +12,13 @@ from mavsdk.plugins.action import Action
 from mavsdk.plugins.offboard import Offboard, VelocityBodyYawspeed
 from mavsdk.plugins.telemetry import FlightMode, LandedState, Telemetry
 
-from tests.flight.processes import API_PORT, free_instance, process
+from scripts.fly_course import API_PORT, free_instance
+from tests.flight.processes import process
 
 pytestmark = pytest.mark.flight
 SPEED_FACTOR = 5.0  # MAVSDK streams setpoints at 20 Hz of wall time: 4 Hz for the vehicle
 LEG_M = 3.0
+NEXT_S = 5.0  # telemetry comes many times a second
 ACROSS_M = 1.0  # how far a leg may stray sideways
 
 
@@ -36,6 +38,12 @@ class Latest:
         except queue.Empty:
             raise AssertionError(f"{what}: not within {timeout_s:g} s, last {value}") from None
         return value
+
+    def next(self) -> Any:
+        """What comes after this call; what came before is forgotten."""
+        while not self._values.empty():
+            self._values.get_nowait()
+        return self._values.get(timeout=NEXT_S)
 
 
 @pytest.fixture
@@ -65,7 +73,8 @@ def test_flies_a_square_in_offboard_and_lands(system: System) -> None:
     action.arm()
     action.takeoff()
     in_air.until(lambda state: state == LandedState.IN_AIR, "in the air", timeout_s=10.0)
-    mode.until(lambda value: value == FlightMode.HOLD, "hold after take-off", timeout_s=10.0)
+    for expected in (FlightMode.TAKEOFF, FlightMode.HOLD):
+        mode.until(lambda value, wanted=expected: value == wanted, str(expected), timeout_s=10.0)
 
     offboard.set_velocity_body(VelocityBodyYawspeed())
     offboard.start()
@@ -107,4 +116,4 @@ def _at_rest(sample: Any) -> bool:
 
 
 def _now(motion: Latest) -> Any:
-    return motion.until(lambda _: True, "a position", timeout_s=5.0).position
+    return motion.next().position
