@@ -1,6 +1,8 @@
-"""Turn a parsed TOML table into a frozen record; an unknown or missing key is an error."""
+"""Frozen records from TOML tables and back; an unknown or missing key is an error."""
 
+import json
 import typing
+from collections.abc import Iterator
 from dataclasses import MISSING, fields, is_dataclass
 from typing import Any, TypeVar
 
@@ -52,3 +54,25 @@ def _convert(kind: Any, value: Any, *, where: str) -> Any:
         name = getattr(kind, "__name__", str(kind))
         raise ValueError(f"{where}: expected {name}, got {value!r}")
     return value
+
+
+def table_text(record: Any) -> str:
+    """Write a record as TOML: plain fields first, then one table a nested record."""
+    return "\n".join(_lines(record, prefix="")).lstrip("\n") + "\n"
+
+
+def _lines(record: Any, *, prefix: str) -> Iterator[str]:
+    values = {field.name: getattr(record, field.name) for field in fields(record)}
+    for name, value in values.items():
+        if not is_dataclass(value):
+            yield f"{name} = {_literal(value)}"
+    for name, value in values.items():
+        if is_dataclass(value):
+            yield f"\n[{prefix}{name}]"
+            yield from _lines(value, prefix=f"{prefix}{name}.")
+
+
+def _literal(value: Any) -> str:
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_literal, value))}]"
+    return json.dumps(value)  # strings, numbers and truth values read alike in TOML

@@ -1,6 +1,6 @@
-"""The command line of the training: data, perception, policy, or all of it.
+"""Make training data, train perception and policies, and write model folders.
 
-Torch is imported by the command that needs it: `--help` is instant.
+All of it with `all`, or one step at a time. Whatever is interrupted goes on where it stopped.
 """
 
 import argparse
@@ -11,57 +11,79 @@ from pathlib import Path
 
 from flightstack.errors import FlightstackError
 
-THREADS = 1  # one compute thread a process: two processes beat two threads
+PROGRAM = "python -m flightstack.training"
+EXIT_INTERRUPTED = 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
     options = _parser().parse_args(arguments)
-    os.environ.setdefault("OMP_NUM_THREADS", str(THREADS))
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
     sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
     try:
-        options.run(options)
+        # Here, not above: --help and a mistyped option must not wait for torch.
+        from flightstack.training.commands import run  # noqa: PLC0415
+
+        run(options)
     except FlightstackError as error:
-        print(f"error: {error}", file=sys.stderr)
+        print(f"{PROGRAM}: {error}", file=sys.stderr)
         return error.exit_code
     except KeyboardInterrupt:
-        print("interrupted: the same command goes on from the last epoch", file=sys.stderr)
-        return 130
+        print(f"{PROGRAM}: interrupted; the same command goes on from here", file=sys.stderr)
+        return EXIT_INTERRUPTED
     return 0
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m flightstack.training", description=__doc__)
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    perception = commands.add_parser("perception", help="train one CM-VAE")
-    perception.add_argument("--data", type=Path, required=True, help="folder of a dataset")
-    perception.add_argument("--out", type=Path, required=True, help="folder of the run")
-    perception.add_argument(
-        "--encoder", choices=("mcd", "plain"), default="mcd", help="with or without dropout"
-    )
-    perception.add_argument("--epochs", type=int, help="instead of the preset's")
-    _add_common(perception)
-    perception.set_defaults(run=_run_perception)
+    parser = argparse.ArgumentParser(prog=PROGRAM, description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    _add_all(commands.add_parser("all", help="data, encoders, policies and model folders"))
+    _add_data(commands.add_parser("data", help="make one dataset"))
+    _add_perception(commands.add_parser("perception", help="train one CM-VAE"))
+    _add_policy(commands.add_parser("policy", help="train policies on one CM-VAE"))
+    for command in commands.choices.values():
+        command.add_argument("--seed", type=int, default=0, help="of all chance (default: 0)")
     return parser
 
 
-def _add_common(parser: argparse.ArgumentParser) -> None:
+def _add_all(parser: argparse.ArgumentParser) -> None:
+    _add_recipe(parser)
+    _add_training(parser)
+    parser.add_argument("--out", type=Path, default=Path("models"), help="model folders")
+    parser.add_argument("--runs", type=Path, default=Path("runs"), help="checkpoints, pictures")
+
+
+def _add_data(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("kind", choices=("perception", "control"))
+    parser.add_argument("--images", type=int, required=True)
+    parser.add_argument("--jobs", type=int, default=-1, help="processes (default: all cores)")
+    parser.add_argument("--out", type=Path, help="instead of DATA/RECIPE/KIND")
+    _add_recipe(parser)
+
+
+def _add_perception(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--data", type=Path, required=True, help="folder of a dataset")
+    parser.add_argument("--out", type=Path, required=True, help="folder of the run")
+    parser.add_argument("--encoder", choices=("mcd", "plain"), default="mcd")
+    parser.add_argument("--epochs", type=int, help="instead of the preset's")
+    _add_training(parser)
+
+
+def _add_policy(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--data", type=Path, required=True, help="folder of a dataset")
+    parser.add_argument("--perception", type=Path, required=True, help="folder of a CM-VAE's run")
+    parser.add_argument("--out", type=Path, required=True, help="folder of the run")
+    kinds = ("ensemble", "single", "deterministic")
+    parser.add_argument("--kind", choices=kinds, default="ensemble")
+    parser.add_argument("--epochs", type=int, help="instead of the preset's")
+    _add_training(parser)
+
+
+def _add_recipe(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--recipe", default="strong", help="of the data (default: strong)")
+    parser.add_argument("--data", type=Path, default=Path("data"), help="folder of all data")
+
+
+def _add_training(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--preset", choices=("quick", "full"), default="quick")
-    parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--device", choices=("cpu", "cuda"), default="cpu")
-
-
-def _run_perception(options: argparse.Namespace) -> None:
-    import torch  # noqa: PLC0415
-
-    from flightstack.training.dataset import read_dataset  # noqa: PLC0415
-    from flightstack.training.perception import train_perception  # noqa: PLC0415
-    from flightstack.training.presets import perception_settings  # noqa: PLC0415
-
-    torch.set_num_threads(THREADS)
-    settings = perception_settings(
-        options.preset, encoder=options.encoder, seed=options.seed, epochs=options.epochs
-    )
-    train_perception(
-        read_dataset(options.data), settings, options.out, device=torch.device(options.device)
-    )

@@ -124,18 +124,18 @@ def train_perception(
     checkpoint = Checkpoint(folder, identity=identity_of(settings, data_sha256=dataset.sha256))
     done = checkpoint.restore(model=trainer.model, optimizer=trainer.optimizer)
     if done:
-        report(f"perception: going on after epoch {done} of {settings.epochs}")
+        report(f"{folder.name}: going on after epoch {done} of {settings.epochs}")
     for number in range(done, settings.epochs):
         start = time.perf_counter()
         loss = trainer.epoch(number)
         rate = len(trainer.train) / (time.perf_counter() - start)
         if not math.isfinite(loss):
             raise TrainingError(
-                f"perception: the loss is {loss} in epoch {number + 1}: lower the learning rate"
+                f"{folder.name}: the loss is {loss} in epoch {number + 1}: lower the learning rate"
             )
         checkpoint.save(epochs_done=number + 1, model=trainer.model, optimizer=trainer.optimizer)
         metrics = trainer.measure(EPOCH_VALIDATION_IMAGES)
-        head = f"perception epoch {number + 1}/{settings.epochs}"
+        head = f"{folder.name} epoch {number + 1}/{settings.epochs}"
         report(f"{head}: loss {loss:.4f}, {rate:.0f} images/s, {metrics.line()}")
     return _finish(trainer, dataset, folder, report)
 
@@ -161,6 +161,6 @@ def _finish(trainer: _Trainer, dataset: Dataset, folder: Path, report: Report) -
     images, _ = trainer.source.fetch(trainer.validation[:PICTURE_IMAGES])
     write_reconstructions(model, images, folder / "reconstructions.png")
     write_traversals(model, images, folder / "traversals.png")
-    report(metrics.table())
+    report(f"{folder.name}:\n{metrics.table()}")
     metrics.require_healthy()
     return PerceptionRun(folder=folder, model=model, scale=trainer.scale, metrics=metrics)

@@ -165,13 +165,13 @@ def train_policy(
         loss = trainer.epoch(number)
         if not math.isfinite(loss):
             raise TrainingError(
-                f"policy: the loss is {loss} in epoch {number + 1}: lower the learning rate"
+                f"{folder.name}: the loss is {loss} in epoch {number + 1}: lower the learning rate"
             )
         checkpoint.save(epochs_done=number + 1, model=trainer.stack, optimizer=trainer.optimizer)
         if (number + 1) % REPORT_EVERY == 0 and number + 1 < settings.epochs:
-            report(f"policy epoch {number + 1}/{settings.epochs}: loss {loss:.3f}")
+            report(f"{folder.name} epoch {number + 1}/{settings.epochs}: loss {loss:.3f}")
     metrics = trainer.measure()
-    report(f"policy {folder.name}: {metrics.line()}")
+    report(f"{folder.name}: {metrics.line()}")
     stack = trainer.stack.cpu().eval()
     save_file(stack.state_dict(), folder / "policy.safetensors")
     summary = {**identity, "metrics": metrics.as_dict()}

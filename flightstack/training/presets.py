@@ -41,6 +41,10 @@ class PolicySettings:
     velocity_range: VelocityRange = field(default_factory=VelocityRange)
 
 
+IMAGES = {  # of each dataset; `full` is the paper's
+    "quick": {"perception": 100_000, "control": 30_000},
+    "full": {"perception": 300_000, "control": 17_000},
+}
 PERCEPTION_EPOCHS = {"quick": 16, "full": 50}
 POLICY_EPOCHS = {"quick": 60, "full": 60}
 ENSEMBLE_MEMBERS = 5  # paper

@@ -1,0 +1,97 @@
+"""Write a model's card: what it is, how it was trained, how good it is, what it is not for."""
+
+from typing import Any
+
+import numpy as np
+
+from flightstack.models import ModelConfig
+from flightstack.perception.labels import LABELS
+from flightstack.records import VELOCITIES
+from flightstack.training.catalogue import ModelPlan
+
+ENCODERS = {
+    "mcd": "CM-VAE whose encoder has a dropout layer, sampled by Monte-Carlo dropout",
+    "plain": "CM-VAE with a deterministic encoder",
+}
+POLICIES = {
+    "ensemble": "an ensemble of probabilistic policies",
+    "single": "one probabilistic policy",
+    "deterministic": "one deterministic policy",
+}
+
+
+def model_card(config: ModelConfig, plan: ModelPlan, metrics: dict[str, Any]) -> str:
+    """Write the card by the Hugging Face convention: YAML front matter, then Markdown."""
+    samples = config.policy.members * config.perception.samples
+    trained = metrics["trained"]
+    return f"""---
+license: bsd-3-clause
+library_name: flightstack
+pipeline_tag: robotics
+tags: [uav, navigation, uncertainty, imitation-learning, cm-vae]
+---
+# {config.recipe}/{config.name}
+
+{ENCODERS[plan.encoder]}, and {POLICIES[plan.policy]}: from one 64 x 64 image to
+{samples} Gaussian prediction{"s" if samples > 1 else ""} of each velocity command. One of the
+models of Arnez et al. 2022, *Quantifying and Using System Uncertainty in UAV Navigation*.
+
+| | |
+|---|---|
+| latent samples | {config.perception.samples} ({config.perception.sampling}) |
+| policies | {config.policy.members} |
+| default strategy | {config.strategy} |
+| data recipe | {config.recipe} |
+
+## Use
+
+    python -m flightstack.companion --model {config.recipe}/{config.name}
+
+Made for passing gates in the simulator that comes with it. It has never flown a real vehicle, sees
+gates of one shape and size only, and its predicted doubt is calibrated on its own recipe's
+validation data, not on other scenes.
+
+## Training
+
+Preset `{trained["preset"]}`, encoder seed {trained["perception_seed"]}, policy seed
+{trained["policy_seed"]}, code {trained["commit"]}.
+
+| data | sha256 |
+|---|---|
+| perception | `{trained["perception_data_sha256"]}` |
+| control | `{trained["policy_data_sha256"]}` |
+
+## Perception, validation images
+
+{_perception_table(metrics["perception"])}
+
+{metrics["perception"]["active_units"]} of {config.perception.latent_dims} latent units are active.
+
+## Policy, validation images
+
+{_policy_table(metrics["policy"])}
+
+RMSE is of the mean of all predictions; NLL and coverage are of their mixture, over 32 latent
+samples an image.
+"""
+
+
+def _perception_table(metrics: dict[str, Any]) -> str:
+    lines = ["| label | mean absolute error | of a constant |", "|---|---|---|"]
+    for k, name in enumerate(LABELS):
+        unit, factor = ("m", 1.0) if name.endswith("_m") else ("deg", float(np.degrees(1.0)))
+        error, constant = metrics["label_mae"][k] * factor, metrics["constant_mae"][k] * factor
+        lines.append(f"| {name.rsplit('_', 1)[0]} | {error:.2f} {unit} | {constant:.2f} {unit} |")
+    return "\n".join(lines)
+
+
+def _policy_table(metrics: dict[str, Any]) -> str:
+    lines = [
+        "| velocity | RMSE | of a constant | NLL | 90 % interval covers |",
+        "|---|---|---|---|---|",
+    ]
+    for k, name in enumerate(VELOCITIES):
+        rmse, constant = metrics["rmse"][k], metrics["constant_rmse"][k]
+        nll, coverage = metrics["nll"][k], metrics["coverage"][k]
+        lines.append(f"| {name} | {rmse:.3f} | {constant:.3f} | {nll:.2f} | {coverage:.0%} |")
+    return "\n".join(lines)

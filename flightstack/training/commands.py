@@ -1,0 +1,68 @@
+"""What the command line's commands do; importing this imports torch."""
+
+import argparse
+
+import torch
+
+from flightstack.training.data import generate_control, generate_perception
+from flightstack.training.dataset import read_dataset
+from flightstack.training.everything import Plan, train_all
+from flightstack.training.perception import train_perception
+from flightstack.training.policy import train_policy
+from flightstack.training.presets import perception_settings, policy_settings
+from flightstack.training.recipe import Recipe
+from flightstack.training.runs import read_run
+
+THREADS = 1  # one compute thread a process: two processes beat two threads
+
+
+def run(options: argparse.Namespace) -> None:
+    """Run the command that was parsed."""
+    torch.set_num_threads(THREADS)
+    {"all": _all, "data": _data, "perception": _perception, "policy": _policy}[options.command](
+        options
+    )
+
+
+def _all(options: argparse.Namespace) -> None:
+    train_all(
+        Plan(
+            recipe=options.recipe,
+            preset=options.preset,
+            seed=options.seed,
+            device=options.device,
+            data=options.data,
+            runs=options.runs,
+            models=options.out,
+        )
+    )
+
+
+def _data(options: argparse.Namespace) -> None:
+    generate = {"perception": generate_perception, "control": generate_control}[options.kind]
+    recipe = Recipe.load(options.recipe)
+    folder = options.out or options.data / options.recipe / options.kind
+    generate(folder, recipe, images=options.images, seed=options.seed, jobs=options.jobs)
+
+
+def _perception(options: argparse.Namespace) -> None:
+    settings = perception_settings(
+        options.preset, encoder=options.encoder, seed=options.seed, epochs=options.epochs
+    )
+    train_perception(
+        read_dataset(options.data), settings, options.out, device=torch.device(options.device)
+    )
+
+
+def _policy(options: argparse.Namespace) -> None:
+    perception = read_run(options.perception)
+    train_policy(
+        read_dataset(options.data),
+        perception.encoder(),
+        policy_settings(
+            options.preset, kind=options.kind, seed=options.seed, epochs=options.epochs
+        ),
+        options.out,
+        perception=perception.sha256,
+        device=torch.device(options.device),
+    )

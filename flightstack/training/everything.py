@@ -1,0 +1,108 @@
+"""All of it: data, encoders, policies and model folders, whatever of it is not there yet."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+from joblib import Parallel, delayed
+
+from flightstack.errors import UsageError
+from flightstack.training.assemble import write_model
+from flightstack.training.catalogue import read_catalogue
+from flightstack.training.data import generate_control, generate_perception
+from flightstack.training.dataset import Dataset, read_dataset
+from flightstack.training.perception import train_perception
+from flightstack.training.policy import train_policy
+from flightstack.training.presets import IMAGES, perception_settings, policy_settings
+from flightstack.training.recipe import Recipe
+from flightstack.training.runs import perception_folder, policy_folder, read_run
+
+PROCESSES = 2  # trainings side by side on a CPU, one thread each; an accelerator takes one
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """What to train, and where things lie: DATA/RECIPE, RUNS/RECIPE and MODELS/RECIPE."""
+
+    recipe: str
+    preset: str
+    seed: int
+    device: str
+    data: Path
+    runs: Path
+    models: Path
+
+    def dataset(self, kind: str) -> Dataset:
+        """Open the data of one kind, "perception" or "control"."""
+        return read_dataset(self.data / self.recipe / kind)
+
+    @property
+    def run_folder(self) -> Path:
+        """Where this recipe's runs lie."""
+        return self.runs / self.recipe
+
+
+def train_all(plan: Plan) -> None:
+    """Make the data, train every encoder and every policy, and write every model's folder.
+
+    What is finished is kept, what was interrupted goes on. Raises UsageError and TrainingError.
+    """
+    make_data(plan)
+    catalogue = read_catalogue()
+    encoders = sorted({model.encoder for model in catalogue.values()})
+    stacks = sorted({(model.encoder, model.policy) for model in catalogue.values()})
+    processes = Parallel(n_jobs=PROCESSES if plan.device == "cpu" else 1)
+    processes(delayed(train_encoder)(plan, encoder) for encoder in encoders)
+    processes(delayed(train_stack)(plan, *stack) for stack in stacks)
+    for name, model in catalogue.items():
+        write_model(
+            plan.models / plan.recipe / name,
+            model,
+            read_run(perception_folder(plan.run_folder, model.encoder, plan.seed)),
+            read_run(policy_folder(plan.run_folder, model.encoder, model.policy, plan.seed)),
+            recipe=plan.recipe,
+            preset=plan.preset,
+        )
+        print(f"wrote {plan.models / plan.recipe / name}")
+
+
+def make_data(plan: Plan) -> None:
+    """Make both datasets, unless they are there; raises UsageError where other ones are."""
+    recipe = Recipe.load(plan.recipe)
+    makers = {"perception": generate_perception, "control": generate_control}
+    for kind, make in makers.items():
+        folder, images = plan.data / plan.recipe / kind, IMAGES[plan.preset][kind]
+        if not (folder / "manifest.json").exists():
+            make(folder, recipe, images=images, seed=plan.seed)
+        manifest = read_dataset(folder).manifest
+        found = (manifest.get("recipe"), manifest["seed"], manifest["count"])
+        if found != (plan.recipe, plan.seed, images):
+            raise UsageError(
+                f"{folder} holds other data (recipe, seed and count are {found}): "
+                "choose another --data, or remove it"
+            )
+
+
+def train_encoder(plan: Plan, encoder: str) -> None:
+    """Train one encoder in this process."""
+    torch.set_num_threads(1)
+    train_perception(
+        plan.dataset("perception"),
+        perception_settings(plan.preset, encoder=encoder, seed=plan.seed),
+        perception_folder(plan.run_folder, encoder, plan.seed),
+        device=torch.device(plan.device),
+    )
+
+
+def train_stack(plan: Plan, encoder: str, policy: str) -> None:
+    """Train one stack of policies in this process."""
+    torch.set_num_threads(1)
+    perception = read_run(perception_folder(plan.run_folder, encoder, plan.seed))
+    train_policy(
+        plan.dataset("control"),
+        perception.encoder(),
+        policy_settings(plan.preset, kind=policy, seed=plan.seed),
+        policy_folder(plan.run_folder, encoder, policy, plan.seed),
+        perception=perception.sha256,
+        device=torch.device(plan.device),
+    )
