@@ -3,6 +3,8 @@
 import queue
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
+from operator import eq
 from pathlib import Path
 from typing import Any
 
@@ -74,7 +76,7 @@ def test_flies_a_square_in_offboard_and_lands(system: System) -> None:
     action.takeoff()
     in_air.until(lambda state: state == LandedState.IN_AIR, "in the air", timeout_s=10.0)
     for expected in (FlightMode.TAKEOFF, FlightMode.HOLD):
-        mode.until(lambda value, wanted=expected: value == wanted, str(expected), timeout_s=10.0)
+        mode.until(partial(eq, expected), str(expected), timeout_s=10.0)
 
     offboard.set_velocity_body(VelocityBodyYawspeed())
     offboard.start()
