@@ -29,6 +29,7 @@ DEFAULT_MODEL = "strong/m0"
 CONFIG_FILE, WEIGHTS_FILE = "config.toml", "weights.safetensors"
 FOLDERS_VARIABLE = "FLIGHTSTACK_MODELS"
 PACKAGE = Path(__file__).parent
+THREADS = 1  # the networks are too small to share among more
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,10 +55,12 @@ class Model:
 
 
 def load(name: str) -> Model:
-    """Load a model by name ("strong/m0") or by the path of its folder.
+    """Load a model by name ("strong/m0") or by the path of its folder, and warm it up.
 
-    Raises ModelError when it is unknown, damaged, or does not fit its configuration.
+    Sets torch to one thread for the whole process. Raises ModelError when the model is unknown,
+    damaged, or does not fit its configuration.
     """
+    torch.set_num_threads(THREADS)
     folder = find(name)
     config = read_config(folder / CONFIG_FILE)
     model = build(config)
@@ -66,6 +69,9 @@ def load(name: str) -> Model:
         _fill(network, prefix, weights, folder)
     if weights:
         raise ModelError(f"{folder}: the weights hold unknown parts, such as {min(weights)!r}")
+    with torch.inference_mode():  # torch's first pass is slow
+        mean, _ = model.encoder(torch.zeros(1, 3, 64, 64))
+        model.policies(mean)
     return model
 
 

@@ -8,25 +8,19 @@ Reference: Arnez et al. 2022, "Quantifying and Using System Uncertainty in UAV N
 
 from dataclasses import replace
 
-import numpy as np
-import torch
-
 from flightstack import models
 from flightstack.decision.strategies import Strategy, make_strategy
 from flightstack.perception.posterior import LatentPosterior, make_posterior
-from flightstack.perception.preprocessing import IMAGE_SIZE, fit_image
+from flightstack.perception.preprocessing import fit_image
 from flightstack.policy.ensemble import PolicyEnsemble
 from flightstack.policy.scales import VelocityRange
 from flightstack.records import Decision, Frame
-
-THREADS = 1  # the networks are too small to share among more
-BLANK = np.zeros((IMAGE_SIZE, IMAGE_SIZE, 3), dtype=np.uint8)
 
 
 class Pipeline:
     """Decide one command for every frame; not safe to share between threads.
 
-    Decisions are a pure function of the frames so far and the seed.
+    Decisions are a pure function of the frames so far and the posterior's seed.
     """
 
     def __init__(
@@ -34,17 +28,14 @@ class Pipeline:
         posterior: LatentPosterior,
         ensemble: PolicyEnsemble,
         strategy: Strategy,
-        *,
         limits: VelocityRange,
-        seed: int,
     ) -> None:
         self._posterior, self._ensemble, self._strategy = posterior, ensemble, strategy
         self._limits = limits
-        self._generator = torch.Generator().manual_seed(seed)
 
     def decide(self, frame: Frame) -> Decision:
         """See, predict, decide; the command stays inside the limits."""
-        z = self._posterior.sample(fit_image(frame.rgb), self._generator)
+        z = self._posterior.sample(fit_image(frame.rgb))
         samples = self._ensemble.predict(z)
         decision = self._strategy.decide(samples)
         return replace(decision, command=self._limits.clip(decision.command))
@@ -56,18 +47,13 @@ def load_pipeline(
     """Load a model by name, with its own strategy or another, ready for its first frame.
 
     `direction` is the course's, "cw" or "ccw", seen from above. Raises ModelError for the model,
-    UsageError for the strategy. Sets torch to one thread, for the whole process.
+    UsageError for the strategy.
     """
-    torch.set_num_threads(THREADS)
     loaded = models.load(model)
     config = loaded.config
-    posterior = make_posterior(config.perception, loaded.encoder)
-    ensemble = PolicyEnsemble(loaded.policies, config.policy.velocity_range)
-    ensemble.predict(posterior.sample(BLANK, torch.Generator()))  # torch's first pass is slow
     return Pipeline(
-        posterior,
-        ensemble,
+        make_posterior(config.perception, loaded.encoder, seed=seed),
+        PolicyEnsemble(loaded.policies, config.policy.velocity_range),
         make_strategy(strategy or config.strategy, direction=direction),
-        limits=config.policy.velocity_range,
-        seed=seed,
+        config.policy.velocity_range,
     )

@@ -22,10 +22,10 @@ from flightstack.perception.preprocessing import network_input
 
 
 class LatentPosterior(Protocol):
-    """Anything that turns an image into latent samples."""
+    """Anything that turns an image into latent samples, by a chance of its own."""
 
-    def sample(self, rgb: NDArray[np.uint8], generator: Generator) -> NDArray[np.float32]:
-        """Map one image (64, 64, 3) to M latent samples (M, Z), all chance from the generator."""
+    def sample(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
+        """Map one image (64, 64, 3) to M latent samples (M, Z)."""
         ...
 
 
@@ -36,32 +36,36 @@ class McDropoutPosterior:
     `within=False` it takes z = mu_m instead, so that only the encoder's own doubt remains.
     """
 
-    def __init__(self, encoder: Dronet, *, samples: int, within: bool = True) -> None:
-        self._encoder, self._samples, self._within = encoder.eval(), samples, within
+    def __init__(
+        self, encoder: Dronet, generator: Generator, *, samples: int, within: bool = True
+    ) -> None:
+        self._encoder, self._generator = encoder.eval(), generator
+        self._samples, self._within = samples, within
 
-    def sample(self, rgb: NDArray[np.uint8], generator: Generator) -> NDArray[np.float32]:
+    def sample(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
         """Draw M masks, then M latent samples (M, Z)."""
         with torch.inference_mode():
             features = self._encoder.trunk(network_input(rgb[np.newaxis]))
             passes = features.expand(self._samples, -1)
-            mask = dropout_mask(passes, self._encoder.dropout, generator)
+            mask = dropout_mask(passes, self._encoder.dropout, self._generator)
             mean, logvar = self._encoder.head(passes * mask)
-            z = sample_normal(mean, logvar, generator) if self._within else mean
+            z = sample_normal(mean, logvar, self._generator) if self._within else mean
             return _array(z)
 
 
 class GaussianPosterior:
     """M draws from N(mu, sigma^2) of one deterministic pass."""
 
-    def __init__(self, encoder: Dronet, *, samples: int) -> None:
-        self._encoder, self._samples = encoder.eval(), samples
+    def __init__(self, encoder: Dronet, generator: Generator, *, samples: int) -> None:
+        self._encoder, self._generator = encoder.eval(), generator
+        self._samples = samples
 
-    def sample(self, rgb: NDArray[np.uint8], generator: Generator) -> NDArray[np.float32]:
+    def sample(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
         """Draw M latent samples (M, Z)."""
         with torch.inference_mode():
             mean, logvar = self._encoder(network_input(rgb[np.newaxis]))
             shape = (self._samples, -1)
-            return _array(sample_normal(mean.expand(shape), logvar.expand(shape), generator))
+            return _array(sample_normal(mean.expand(shape), logvar.expand(shape), self._generator))
 
 
 class MeanPosterior:
@@ -70,20 +74,23 @@ class MeanPosterior:
     def __init__(self, encoder: Dronet) -> None:
         self._encoder = encoder.eval()
 
-    def sample(self, rgb: NDArray[np.uint8], generator: Generator) -> NDArray[np.float32]:  # noqa: ARG002
-        """Give the mean as (1, Z); the generator stays untouched."""
+    def sample(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
+        """Give the mean as (1, Z)."""
         with torch.inference_mode():
             mean, _ = self._encoder(network_input(rgb[np.newaxis]))
             return _array(mean)
 
 
-def make_posterior(config: PerceptionConfig, encoder: Dronet) -> LatentPosterior:
-    """Sample an encoder as its configuration says."""
+def make_posterior(config: PerceptionConfig, encoder: Dronet, *, seed: int) -> LatentPosterior:
+    """Sample an encoder as its configuration says, all chance from the seed."""
+    generator = torch.Generator().manual_seed(seed)
     match config.sampling:
         case "mc-dropout":
-            return McDropoutPosterior(encoder, samples=config.samples, within=config.within)
+            return McDropoutPosterior(
+                encoder, generator, samples=config.samples, within=config.within
+            )
         case "gaussian":
-            return GaussianPosterior(encoder, samples=config.samples)
+            return GaussianPosterior(encoder, generator, samples=config.samples)
         case "mean":
             return MeanPosterior(encoder)
 
