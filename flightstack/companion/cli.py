@@ -44,6 +44,7 @@ def build_parser() -> argparse.ArgumentParser:
     add("--camera", metavar="URI", help="stream, device or file (default: what the vehicle names)")
     add("--model", default=DEFAULT_MODEL, help=f"which model flies (default {DEFAULT_MODEL})")
     add("--strategy", help="how it decides (default: the model's)")
+    add("--direction", choices=("cw", "ccw"), default="cw", help="of the course (default cw)")
     add("--seed", type=_whole, default=0, help="of the sampling (default 0)")
     add("--takeoff-altitude", type=_positive, default=3.0, metavar="M", help="m above home (3)")
     add("--duration", type=_positive, metavar="S", help="fly no longer than this, vehicle time")
@@ -81,8 +82,6 @@ def _fly(arguments: argparse.Namespace) -> int:
     plan = FlightPlan(
         endpoint=parse_endpoint(arguments.connect or arguments.udp or DEFAULT_PORT),
         log=arguments.log or _default_log(),
-        model=arguments.model,
-        strategy=arguments.strategy or "default",
         camera=arguments.camera,
         takeoff_altitude_m=arguments.takeoff_altitude,
         duration_s=arguments.duration,
@@ -93,13 +92,24 @@ def _fly(arguments: argparse.Namespace) -> int:
     def load_pilot() -> Pilot:
         from flightstack.companion.pipeline import load_pipeline  # noqa: PLC0415
 
-        return load_pipeline(arguments.model, arguments.strategy, arguments.seed)
+        return load_pipeline(
+            arguments.model, arguments.strategy, arguments.seed, direction=arguments.direction
+        )
 
     progress = Progress(verbosity=int(arguments.verbose) - int(arguments.quiet))
     with ending_at_once():
         summary = fly(plan, load_pilot, progress)
-    print(summary.to_json() if arguments.json else summary.to_text(), flush=True)
+    if arguments.json:
+        print(summary.to_json(model=arguments.model, strategy=_strategy(arguments)), flush=True)
+    else:
+        print(summary.to_text(), flush=True)
     return summary.exit_code
+
+
+def _strategy(arguments: argparse.Namespace) -> str:
+    from flightstack.models import CONFIG_FILE, find, read_config  # noqa: PLC0415
+
+    return arguments.strategy or read_config(find(arguments.model) / CONFIG_FILE).strategy
 
 
 def _default_log() -> Path:

@@ -10,7 +10,7 @@ from flightstack.camera.camera import open_camera
 from flightstack.clock import VehicleClock
 from flightstack.companion.discovery import find_camera, wait_for_frame, wait_for_vehicle
 from flightstack.companion.loop import FlightLoop, Pilot
-from flightstack.companion.mission import Outcome
+from flightstack.companion.mission_state import Outcome
 from flightstack.companion.progress import Progress
 from flightstack.companion.reporter import Reporter
 from flightstack.companion.signals import landing_first
@@ -28,8 +28,6 @@ class FlightPlan:
 
     endpoint: Endpoint
     log: Path
-    model: str
-    strategy: str
     camera: str | None = None  # None: the one that the vehicle names
     takeoff_altitude_m: float = 3.0  # above home
     duration_s: float | None = None  # in OFFBOARD, vehicle time
@@ -86,8 +84,6 @@ def _run(loop: FlightLoop, vehicle: Vehicle, plan: FlightPlan) -> Summary:
         gates_total=course.gates_total,
         duration_s=0.0 if state.offboard_us is None else (ended_us - state.offboard_us) / 1e6,
         log=plan.log,
-        model=plan.model,
-        strategy=plan.strategy,
         real_time_factor=(clock.stamp_us - began_us) / 1e6 / wall_s,
         latencies_s=tuple(loop.latencies_s),
         frames=loop.frames,

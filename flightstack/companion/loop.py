@@ -13,7 +13,8 @@ from typing import Protocol
 import numpy as np
 
 from flightstack.camera.mailbox import Arrival
-from flightstack.companion.mission import MissionState, Outcome, Phase, Situation, advance
+from flightstack.companion.mission import advance
+from flightstack.companion.mission_state import MissionState, Outcome, Phase, Situation
 from flightstack.companion.reporter import Reporter, announcement
 from flightstack.companion.signals import StopSwitch
 from flightstack.companion.vehicle import Vehicle

@@ -18,60 +18,30 @@ RETRY_US until its effect shows in the vehicle's HEARTBEAT, and given up after t
 A vehicle that somebody else takes out of a mode is not fought over.
 """
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from enum import Enum
+from dataclasses import replace
 
+from flightstack.companion.mission_state import (
+    MissionState,
+    Outcome,
+    Phase,
+    Request,
+    Situation,
+)
 from flightstack.mavlink.px4 import Px4Mode
 from flightstack.mavlink.telemetry import Course, CourseFailure, Landed, Telemetry
 
 SECOND_US = 1_000_000
 PRESTREAM_US = SECOND_US  # PX4 documents a second of setpoints before OFFBOARD
+HOME_PERIOD_US = 2_500_000  # PX4 streams HOME_POSITION every 2 s
+HOVER_M_S = 0.3
+SETTLED_US = SECOND_US  # PX4's take-off ends in hold before the climb has come to rest
+SETTLED_LATEST_US = 20 * SECOND_US  # a poor estimate may never read so slow
 RETRY_US = 3 * SECOND_US  # HEARTBEAT shows an effect up to 1 s late
 GROUNDED_US = 4 * SECOND_US  # PX4 disarms by itself COM_DISARM_LAND (2 s) after landing
 CAMERA_LOST_US = 2_500_000  # 0.5 s until the vehicle is held, 2 s more
 HEARTBEAT_LOST_US = 3 * SECOND_US
-
-
-class Phase(Enum):
-    """Where the mission stands."""
-
-    WAITING = "waiting until the vehicle can be armed"
-    ARMING = "arming"
-    TAKING_OFF = "taking off"
-    ENTERING_OFFBOARD = "entering offboard"
-    FLYING = "flying"
-    TAKEN_OVER = "taken over"
-    LANDING = "landing"
-    DONE = "done"
-
-
-class Outcome(Enum):
-    """How a flight ended."""
-
-    COMPLETED = "completed"
-    MISSED_GATE = "missed_gate"
-    COLLISION = "collision"
-    TIMEOUT = "timeout"
-    TAKEN_OVER = "taken_over"
-    REFUSED = "refused"
-    INTERRUPTED = "interrupted"
-    CAMERA_LOST = "camera_lost"
-    LINK_LOST = "link_lost"
-
-
-class Request(Enum):
-    """What the mission wants of the vehicle."""
-
-    HOME_POSITION = "home position"
-    ARM = "arm"
-    DISARM = "disarm"
-    TAKE_OFF = "take off"
-    LAND = "land"
-    HOLD_MODE = "hold mode"
-    OFFBOARD_MODE = "offboard mode"
-
-
 LIMITS_US = {
     Phase.WAITING: 180 * SECOND_US,  # a position estimate may take minutes outdoors
     Phase.ARMING: 20 * SECOND_US,
@@ -79,31 +49,6 @@ LIMITS_US = {
     Phase.ENTERING_OFFBOARD: 15 * SECOND_US,
     Phase.LANDING: 120 * SECOND_US,
 }
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Situation:
-    """What the mission knows of the world at one moment; times are vehicle time."""
-
-    vehicle: Telemetry
-    frame_us: int  # stamp of the newest camera frame
-    stop_requested: bool = False
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MissionState:
-    """Where the mission stands, and since when (vehicle time)."""
-
-    duration_us: int | None = None  # to fly in OFFBOARD at most
-    phase: Phase = Phase.WAITING
-    entered_us: int | None = None
-    requested_us: int | None = None  # the last request of this phase
-    confirmed: bool = False  # the mode that this phase asked for has been seen
-    offboard_us: int | None = None  # when FLYING began
-    ended_us: int | None = None  # when FLYING ended
-    outcome: Outcome | None = None
-
-
 Step = tuple[MissionState, tuple[Request, ...]]
 
 
@@ -122,9 +67,10 @@ def advance(state: MissionState, situation: Situation, now_us: int) -> Step:
 def _waiting(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
     if vehicle.course.over:  # by an earlier flight: this vehicle's referee has no more to say
         return _end(state, Outcome.REFUSED, vehicle, now_us)
-    if vehicle.home_altitude_amsl_m is None:
+    waited_us = _in_phase_us(state, now_us)
+    if vehicle.home_altitude_amsl_m is None and waited_us >= HOME_PERIOD_US:
         return _ask(state, Request.HOME_POSITION, now_us)
-    if _in_phase_us(state, now_us) < PRESTREAM_US:
+    if vehicle.home_altitude_amsl_m is None or waited_us < PRESTREAM_US:
         return state, ()
     return (
         _begin_armed(state, vehicle, now_us) if vehicle.armed else _prepare(state, vehicle, now_us)
@@ -163,9 +109,21 @@ def _taking_off(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
         return _ask(state, Request.TAKE_OFF, now_us)
     if vehicle.custom_mode != Px4Mode.LOITER:
         return _lose_control(state, now_us)
-    if vehicle.landed is Landed.IN_AIR:
+    state = _watch_speed(state, vehicle, now_us)
+    settled = state.slow_us is not None and now_us - state.slow_us >= SETTLED_US
+    if vehicle.landed is Landed.IN_AIR and (
+        settled or _in_phase_us(state, now_us) > SETTLED_LATEST_US
+    ):
         return _enter(state, Phase.ENTERING_OFFBOARD, now_us, Request.OFFBOARD_MODE)
     return state, ()
+
+
+def _watch_speed(state: MissionState, vehicle: Telemetry, now_us: int) -> MissionState:
+    """Note since when the vehicle hovers."""
+    speed_m_s = math.inf if vehicle.velocity_ned is None else math.hypot(*vehicle.velocity_ned)
+    if speed_m_s >= HOVER_M_S:
+        return replace(state, slow_us=None)
+    return replace(state, slow_us=now_us) if state.slow_us is None else state
 
 
 def _entering_offboard(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:

@@ -2,10 +2,12 @@
 
 import math
 
-from flightstack.companion.mission import MissionState, Phase
+from pymavlink.dialects.v20 import common
+
+from flightstack.companion.mission_state import MissionState, Phase
 from flightstack.companion.progress import Progress
 from flightstack.companion.vehicle import Vehicle
-from flightstack.mavlink.commands import command_name
+from flightstack.mavlink.commands import Refusal, command_name
 from flightstack.mavlink.px4 import mode_name
 from flightstack.mavlink.telemetry import Telemetry
 from flightstack.mavlink.uncertainty import total_std_m_s
@@ -43,7 +45,8 @@ class Reporter:
             )
             tell(f"vehicle: {text.text}")
         for refusal in vehicle.drain_refusals():
-            self._progress.event(f"{command_name(refusal.command)}: {refusal.reason}")
+            tell = self._progress.detail if _is_question(refusal) else self._progress.event
+            tell(f"{command_name(refusal.command)}: {refusal.reason}")
         if vehicle.link.tlog.failure is not None:
             self.warn_once(vehicle.link.tlog.failure)
         if telemetry.course.gates_passed > self._gates_passed:
@@ -73,6 +76,11 @@ def announcement(state: MissionState) -> str:
     """Say in one STATUSTEXT where the mission stands."""
     reason = "" if state.outcome is None else f", {state.outcome.value}"
     return f"Companion: {state.phase.name.lower()}{reason}".replace("_", " ")
+
+
+def _is_question(refusal: Refusal) -> bool:
+    """Tell questions, which a vehicle may not be able to answer yet, from orders."""
+    return bool(refusal.command.number == common.MAV_CMD_REQUEST_MESSAGE)
 
 
 def _phase_line(state: MissionState, telemetry: Telemetry) -> str:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flightstack.companion.mission import Outcome
+from flightstack.companion.mission_state import Outcome
 
 EXIT_CODES = {
     Outcome.COMPLETED: 0,
@@ -37,8 +37,6 @@ class Summary:
     gates_total: int | None  # None where nobody judges
     duration_s: float  # vehicle time from offboard to the end
     log: Path
-    model: str
-    strategy: str
     real_time_factor: float
     latencies_s: tuple[float, ...]  # wall time from a frame to its setpoint, in flight
     frames: int
@@ -49,8 +47,8 @@ class Summary:
         """The process's exit code."""
         return EXIT_CODES.get(self.outcome, MISSION_FAILED)
 
-    def to_json(self) -> str:
-        """Write one JSON object on one line."""
+    def to_json(self, *, model: str, strategy: str) -> str:
+        """Write one JSON object on one line, with the names of what flew."""
         return json.dumps(
             {
                 "gates_passed": self.gates_passed,
@@ -58,8 +56,8 @@ class Summary:
                 "outcome": self.outcome.value,
                 "duration_s": round(self.duration_s, 3),
                 "log": str(self.log),
-                "model": self.model,
-                "strategy": self.strategy,
+                "model": model,
+                "strategy": strategy,
                 "real_time_factor": round(self.real_time_factor, 2),
                 "latency_ms": {"p50": self._latency_ms(50), "p99": self._latency_ms(99)},
                 "frames": self.frames,

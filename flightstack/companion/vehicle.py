@@ -2,7 +2,7 @@
 
 from pymavlink.dialects.v20 import common
 
-from flightstack.companion.mission import Request
+from flightstack.companion.mission_state import Request
 from flightstack.mavlink import commands
 from flightstack.mavlink.commands import Command, CommandSender, Refusal
 from flightstack.mavlink.heartbeat import HeartbeatSender
