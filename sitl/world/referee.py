@@ -37,7 +37,9 @@ class Referee:
         if self._state is not CourseState.ACTIVE:
             return []
         if contact:
-            return [self._fail(CourseEventKind.COLLISION, f"Collision at gate {self._passed + 1}")]
+            return [
+                self._fail(CourseEventKind.COLLISION, f"Collision with gate {self._passed + 1}")
+            ]
         gate = self._gates[self._passed % len(self._gates)]
         crossing = _crossing(gate, previous, current)
         if crossing is None:
