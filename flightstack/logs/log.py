@@ -139,7 +139,11 @@ class Log:
             keep &= self.time_us >= start_us
         if end_us is not None:
             keep &= self.time_us < end_us
-        return Log(self.source, self.frames.take(keep), self.time_us[keep], self._whole)
+        return self.rows(keep)
+
+    def rows(self, rows: NDArray[np.bool_] | NDArray[np.intp] | slice) -> "Log":
+        """Return the part of the log with these frames."""
+        return Log(self.source, self.frames.take(rows), self.time_us[rows], self._whole)
 
     def matching_ids(self, patterns: Iterable[str]) -> list[int]:
         """Return the ids of the log's messages that match one of the names or wildcards.

@@ -1,0 +1,5 @@
+"""Run the command line: python -m flightstack.logs."""
+
+from flightstack.logs.cli import main
+
+raise SystemExit(main())

@@ -1,0 +1,110 @@
+"""Command: every message as text, JSON or CSV, as mavlogdump prints them."""
+
+import sys
+from argparse import Namespace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flightstack.logs.damage import LINK_BITS
+from flightstack.logs.errors import LogFileError
+from flightstack.logs.expression import holds
+from flightstack.logs.frames import NO_TIME
+from flightstack.logs.lines import LineOptions, csv_columns, lines
+from flightstack.logs.log import Log, read
+
+
+def seconds_window(log: Log, arguments: Namespace) -> tuple[int | None, int | None]:
+    """Return --from and --to as times since 1970, None where not given."""
+    start_us = int(log.time_us[0])
+    bounds = (arguments.start, arguments.end)
+    first, last = (None if s is None else start_us + round(s * 1e6) for s in bounds)
+    return first, last
+
+
+def _names(given: str | None) -> list[str]:
+    return [name.strip() for name in given.split(",") if name.strip()] if given else []
+
+
+def _reduced(log: Log, rate_hz: float) -> NDArray[np.bool_]:
+    """Return which frames to keep so that no type comes more often than this."""
+    keep = np.zeros(len(log), dtype=np.bool_)
+    step_us = 1e6 / rate_hz
+    for msgid in np.unique(log.frames.msgid).tolist():
+        rows = np.flatnonzero(log.frames.msgid == msgid)
+        last_us = -np.inf
+        for row, time_us in zip(rows.tolist(), log.time_us[rows].tolist(), strict=True):
+            if time_us - last_us >= step_us or time_us < last_us:
+                keep[row] = True
+                last_us = time_us
+    return keep
+
+
+def chosen(log: Log, arguments: Namespace) -> Log:
+    """Return the part of the log that all filters let through."""
+    rows = np.arange(len(log))
+    keep = np.ones(len(log), dtype=np.bool_)
+    types, left_out = _names(arguments.types), _names(arguments.nottypes)
+    if types:
+        keep &= np.isin(log.frames.msgid, log.matching_ids(types))
+    if left_out:
+        keep &= ~np.isin(log.frames.msgid, log.matching_ids(left_out))
+    system = arguments.source_system if arguments.source_system is not None else arguments.system
+    if system is not None:
+        keep &= log.frames.system == system
+    if arguments.source_component is not None:
+        keep &= log.frames.component == arguments.source_component
+    if arguments.link is not None:
+        keep &= (log.frames.time_us & LINK_BITS) == arguments.link
+    start_us, end_us = seconds_window(log, arguments)
+    if start_us is not None:
+        keep &= log.time_us >= start_us
+    if end_us is not None:
+        keep &= log.time_us < end_us
+    if arguments.condition:
+        keep[keep] = holds(arguments.condition, log, rows[keep])
+    part = log.rows(keep)
+    return part.rows(_reduced(part, arguments.reduce_rate)) if arguments.reduce_rate > 0 else part
+
+
+def write_tlog(log: Log, path: Path) -> None:
+    """Write the log's frames to a new tlog, each with its time."""
+    times = np.where(log.frames.time_us == NO_TIME, log.time_us, log.frames.time_us)
+    stamps = times.astype(">i8")
+    try:
+        with path.open("wb") as file:
+            pairs = zip(log.frames.offset.tolist(), log.frames.end.tolist(), strict=True)
+            for stamp, (start, end) in zip(stamps, pairs, strict=True):
+                file.write(stamp.tobytes() + log.source.read(start, end).tobytes())
+    except OSError as error:
+        raise LogFileError(f"{path} cannot be written: {error.strerror}") from error
+
+
+def run(arguments: Namespace) -> int:
+    """Print the chosen messages, or write them to a tlog."""
+    log = read(arguments.log)
+    part = chosen(log, arguments)
+    if arguments.output is not None:
+        write_tlog(part, arguments.output)
+        return 0
+    if arguments.show_types:
+        print("\n".join(part.counts))
+        return 0
+    if arguments.quiet:
+        return 0
+    kind = "json" if arguments.json else arguments.format
+    types = _names(arguments.types)
+    columns = csv_columns(part, types) if kind == "csv" else ()
+    options = LineOptions(
+        format=kind,
+        separator="\t" if arguments.csv_sep == "tab" else arguments.csv_sep,
+        show_source=arguments.show_source,
+        show_sequence=arguments.show_seq,
+        csv_columns=columns,
+    )
+    if columns:
+        print(options.separator.join(("timestamp", *columns)), flush=True)
+    for some in lines(part, options):
+        sys.stdout.buffer.write(some)
+    return 0

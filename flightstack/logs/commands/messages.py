@@ -1,0 +1,50 @@
+"""Command: every message type by source, with count, rate, first and last."""
+
+import json
+from argparse import Namespace
+from collections.abc import Iterator
+
+import numpy as np
+
+from flightstack.logs.dialect import message_name
+from flightstack.logs.log import Log, read
+from flightstack.logs.summary import Facts
+
+
+def message_facts(log: Log) -> Iterator[Facts]:
+    """Yield for every type and source how many, how often, from when to when."""
+    start_us = int(log.time_us[0])
+    frames = log.frames
+    key = frames.msgid.astype(np.int64) << 16
+    key |= frames.system.astype(np.int64) << 8 | frames.component
+    order = np.argsort(key, kind="stable")
+    keys, first, counts = np.unique(key[order], return_index=True, return_counts=True)
+    for value, start, count in zip(keys.tolist(), first.tolist(), counts.tolist(), strict=True):
+        times = log.time_us[order[start : start + count]]
+        span_s = float(times.max() - times.min()) * 1e-6
+        yield {
+            "type": message_name(value >> 16),
+            "system": value >> 8 & 0xFF,
+            "component": value & 0xFF,
+            "count": count,
+            "rate_hz": round((count - 1) / span_s, 2) if span_s > 0 else None,
+            "first_s": round(float(times[0] - start_us) * 1e-6, 3),
+            "last_s": round(float(times[-1] - start_us) * 1e-6, 3),
+        }
+
+
+def run(arguments: Namespace) -> int:
+    """Print the table of types."""
+    log = read(arguments.log, system=arguments.system)
+    facts = sorted(message_facts(log), key=lambda each: -each["count"])
+    if arguments.json:
+        print(json.dumps({"log": log.name, "messages": facts}))
+        return 0
+    width = max((len(each["type"]) for each in facts), default=4)
+    print(f"{'type':{width}}  source   count     rate      first       last")
+    for each in facts:
+        source = f"{each['system']}/{each['component']}"
+        rate = f"{each['rate_hz']:.1f} Hz" if each["rate_hz"] is not None else "-"
+        span = f"{each['first_s']:9.2f} s {each['last_s']:9.2f} s"
+        print(f"{each['type']:{width}}  {source:>7} {each['count']:7d} {rate:>9} {span}")
+    return 0
