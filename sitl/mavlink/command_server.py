@@ -60,7 +60,7 @@ def parse(message: Message) -> Command | None:
     first = (message.param1, message.param2, message.param3, message.param4)
     if message.get_msgId() == mavlink.MAVLINK_MSG_ID_COMMAND_LONG:
         x, y = message.param5, message.param6
-        if any(abs(value - INT32_MAX) < 1.0 for value in (x, y)):
+        if any(abs(value - INT32_MAX) <= 1.0 for value in (x, y)):
             return None  # an integer's "not given" in a float
         params = (*first, x, y, message.param7)
         frame = 0

@@ -87,7 +87,7 @@ def servo_output_raw(view: View) -> Message:
 def pressure_hpa(altitude_m: float) -> float:
     """Give the static pressure of the standard atmosphere (troposphere)."""
     ratio = 1.0 - LAPSE_C_M * altitude_m / (SEA_LEVEL_C + 273.15)
-    return float(SEA_LEVEL_HPA * max(0.0, ratio) ** PRESSURE_EXPONENT)
+    return float(SEA_LEVEL_HPA * max(0.0, min(2.0, ratio)) ** PRESSURE_EXPONENT)
 
 
 def temperature_c(altitude_m: float) -> float:

@@ -1,0 +1,168 @@
+"""A vehicle without physics, and a link without sockets."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from sitl.errors import UsageError
+from sitl.mavlink.framing import Packet, frame, split
+from sitl.mavlink.request import Request
+from sitl.mavlink.streams import GROUND_STATION, StreamTable
+from sitl.modes import Mode
+from sitl.records import (
+    CourseEvent,
+    CourseState,
+    CourseStatus,
+    Estimate,
+    StatusText,
+    Vector3,
+    VehicleState,
+)
+from sitl.vehicle_records import (
+    IDENTITY,
+    NAN_VECTOR,
+    Command,
+    CommandResult,
+    OffboardSetpoint,
+    SetpointEcho,
+    VehicleStatus,
+)
+
+HOME = (47.3977428, 8.5455967, 489.6)
+ON_GROUND = 1
+ZERO: Vector3 = (0.0, 0.0, 0.0)
+LEVEL_FORCE: Vector3 = (0.0, 0.0, -9.80665)
+
+STATUS = VehicleStatus(
+    time_us=0,
+    mode=Mode.HOLD,
+    intended_mode=Mode.HOLD,
+    custom_mode=Mode.HOLD.custom_mode,
+    base_mode=29,
+    system_status=3,
+    armed=False,
+    armable=True,
+    failsafe=False,
+    landed_state=ON_GROUND,
+    home=HOME,
+    home_ned=ZERO,
+    home_valid=True,
+    attitude_valid=True,
+    position_valid=True,
+    altitude_valid=True,
+    throttle=0.0,
+    actuator_outputs=(900, 900, 900, 900),
+)
+ECHO = SetpointEcho(
+    time_us=0,
+    position_ned=NAN_VECTOR,
+    velocity_ned=NAN_VECTOR,
+    acceleration_ned=(0.0, 0.0, 100.0),
+    yaw_rad=0.0,
+    yaw_rate_rad_s=0.0,
+    q_ned_frd=IDENTITY,
+    rates_frd=ZERO,
+    thrust=0.001,
+)
+
+
+class FakeParameters:
+    """Three parameters of both types."""
+
+    def __init__(self) -> None:
+        self.values: dict[str, float] = {
+            "COM_DL_LOSS_T": 10,
+            "MAV_SYS_ID": 1,
+            "MPC_XY_VEL_MAX": 12.0,
+        }
+        self.version = 0
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.values
+
+    def names(self) -> list[str]:
+        return list(self.values)
+
+    def get(self, name: str) -> float:
+        return self.values[name]
+
+    def type_of(self, name: str) -> int:
+        return 6 if isinstance(self.values[name], int) else 9
+
+    def set(self, name: str, value: float) -> None:
+        if not 0.0 <= value <= 100.0:
+            raise UsageError(f"parameter {name}: must be 0 to 100")
+        self.values[name] = value
+        self.version += 1
+
+
+@dataclass
+class FakeAutopilot:
+    """Remembers what it is told."""
+
+    status: VehicleStatus = STATUS
+    setpoint_echo: SetpointEcho = ECHO
+    yaw_rad: float = 0.0
+    result: int | None = 0
+    commands: list[Command] = field(default_factory=list)
+    setpoints: list[OffboardSetpoint] = field(default_factory=list)
+    texts: list[StatusText] = field(default_factory=list)
+
+    def command(self, command: Command) -> CommandResult | None:
+        self.commands.append(command)
+        return None if self.result is None else CommandResult(result=self.result)
+
+    def offboard_setpoint(self, setpoint: OffboardSetpoint) -> None:
+        self.setpoints.append(setpoint)
+
+    def drain_texts(self) -> list[StatusText]:
+        texts, self.texts = self.texts, []
+        return texts
+
+    def change(self, **changes: Any) -> None:
+        self.status = replace(self.status, **changes)
+
+
+class FakeVehicle:
+    """Stands where it is put."""
+
+    def __init__(self) -> None:
+        self.time_us = 0
+        self.state = VehicleState(0, ZERO, ZERO, IDENTITY, ZERO, LEVEL_FORCE)
+        self.estimate = Estimate(0, ZERO, ZERO, IDENTITY, ZERO, LEVEL_FORCE, *(True, True, True))
+        self.autopilot = FakeAutopilot()
+        self.parameters = FakeParameters()
+        self.course = CourseStatus(gates_passed=0, gates_total=8, state=CourseState.ACTIVE)
+        self.events: list[CourseEvent] = []
+
+    def drain_course_events(self) -> list[CourseEvent]:
+        events, self.events = self.events, []
+        return events
+
+
+class FakeOutlet:
+    """Keeps what is sent, decoded again from its frames."""
+
+    def __init__(self) -> None:
+        self.messages: list[Any] = []
+        self.packets: list[Packet] = []
+
+    def send(self, message: Any) -> None:
+        self.messages.append(message)
+
+    def send_packet(self, packet: Packet) -> None:
+        self.packets.append(packet)
+        received = split(frame(packet, sequence=0, system=1, component=1))
+        self.messages.extend(item.message for item in received)
+
+    def take(self) -> list[Any]:
+        messages, self.messages = self.messages, []
+        return messages
+
+
+def make_request(outlet: FakeOutlet, system: int = 255, component: int = 190) -> Request:
+    return Request(
+        system=system,
+        component=component,
+        outlet=outlet,
+        streams=StreamTable(GROUND_STATION),
+    )

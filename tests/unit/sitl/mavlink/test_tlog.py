@@ -1,0 +1,37 @@
+from pathlib import Path
+
+import pytest
+from pymavlink import mavutil
+
+from sitl.errors import UsageError
+from sitl.mavlink.dialect import mavlink
+from sitl.mavlink.framing import frame, pack
+from sitl.mavlink.tlog import TlogWriter
+
+HEARTBEAT = mavlink.MAVLink_heartbeat_message(2, 12, 29, 0, 3, 3)
+EPOCH_US = 1_700_000_000_000_000
+
+
+def test_pymavlink_reads_times_and_links_back(tmp_path: Path) -> None:
+    path = tmp_path / "flight.tlog"
+    now_us = 0
+    writer = TlogWriter(path, unix_epoch_us=EPOCH_US, clock=lambda: now_us)
+    for number in range(5):
+        now_us = number * 52_000
+        raw = frame(pack(HEARTBEAT), sequence=number, system=1, component=1)
+        writer.record(raw, link=number % 2)
+    writer.flush()
+    log = mavutil.mavlink_connection(str(path), robust_parsing=True)
+    messages = [log.recv_match(type="HEARTBEAT") for _ in range(5)]
+    assert log.recv_match() is None
+    log.close()
+    writer.close()
+    times_us = [round((m._timestamp - EPOCH_US / 1e6) * 1e6) for m in messages]
+    assert times_us == pytest.approx([0, 52_000, 104_000, 156_000, 208_000], abs=4)
+    assert [m.get_seq() for m in messages] == [0, 1, 2, 3, 4]
+
+
+def test_a_path_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "no" / "such" / "folder.tlog"
+    with pytest.raises(UsageError, match=r"folder\.tlog"):
+        TlogWriter(path, unix_epoch_us=0, clock=lambda: 0)
