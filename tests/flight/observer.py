@@ -1,6 +1,7 @@
 """Watch a vehicle from its ground-station link, by pymavlink alone, without waiting blindly."""
 
 import socket
+import subprocess
 import time
 from collections.abc import Callable
 from typing import Any, Self
@@ -40,13 +41,21 @@ class Observer:
         filled = [*parameters, *[0.0] * (7 - len(parameters))]
         self.send(mavlink.MAVLink_command_long_message(1, 1, number, 0, *filled))
 
-    def wait_for(self, condition: Callable[[Any], bool], what: str, *, timeout_s: float) -> Any:
+    def wait_for(
+        self,
+        condition: Callable[[Any], bool],
+        what: str,
+        *,
+        timeout_s: float,
+        running: subprocess.Popen[bytes] | None = None,
+    ) -> Any:
         """Return the first message that meets the condition; each message is looked at once."""
         deadline_s = time.monotonic() + timeout_s
         while time.monotonic() < deadline_s:
             for message in self._receive():
                 if condition(message):
                     return message
+            assert running is None or running.poll() is None, f"{running.args} ended before {what}"
         raise AssertionError(f"no {what} within {timeout_s:g} s")
 
     def wait_for_mode(self, custom_mode: int, *, armed: bool, timeout_s: float) -> Any:
@@ -66,11 +75,13 @@ class Observer:
 
         return self.wait_for(says, f"text {start!r}", timeout_s=timeout_s)
 
-    def wait_for_gate(self, gate: int, *, timeout_s: float) -> Any:
+    def wait_for_gate(
+        self, gate: int, *, timeout_s: float, running: subprocess.Popen[bytes] | None = None
+    ) -> Any:
         def passed(message: Any) -> bool:
             return bool(message.get_type() == "MISSION_ITEM_REACHED" and message.seq >= gate)
 
-        return self.wait_for(passed, f"gate {gate}", timeout_s=timeout_s)
+        return self.wait_for(passed, f"gate {gate}", timeout_s=timeout_s, running=running)
 
     def _receive(self) -> list[Any]:
         if time.monotonic() - self._said_hello_s > HEARTBEAT_S:

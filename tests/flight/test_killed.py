@@ -20,7 +20,7 @@ LINK_BITS_S = 4e-6  # the tlog's times carry the link's number in their lowest b
 
 def test_vehicle_leaves_offboard_when_the_companion_is_killed(tmp_path: Path) -> None:
     with pair(tmp_path, *CALM) as flight, Observer(flight.instance) as observer:
-        observer.wait_for_gate(0, timeout_s=START_S)
+        observer.wait_for_gate(0, timeout_s=START_S, running=flight.companion)
         flight.companion.send_signal(signal.SIGKILL)
         observer.wait_for_text("Failsafe activated", timeout_s=30.0)
 
@@ -39,7 +39,7 @@ def test_vehicle_leaves_offboard_when_the_companion_is_killed(tmp_path: Path) ->
 
 def test_companion_says_so_when_the_vehicle_is_killed(tmp_path: Path) -> None:
     with pair(tmp_path, *CALM) as flight, Observer(flight.instance) as observer:
-        observer.wait_for_gate(0, timeout_s=START_S)
+        observer.wait_for_gate(0, timeout_s=START_S, running=flight.companion)
         flight.vehicle.send_signal(signal.SIGKILL)
         assert flight.companion.wait(timeout=5.0) == 3
     assert "vehicle lost" in flight.companion_output.read_text().lower()
@@ -51,7 +51,7 @@ def test_companion_says_so_when_the_vehicle_is_killed(tmp_path: Path) -> None:
 
 def test_interrupted_flight_lands_and_ends_with_130(tmp_path: Path) -> None:
     with pair(tmp_path, *CALM) as flight, Observer(flight.instance) as observer:
-        observer.wait_for_gate(0, timeout_s=START_S)
+        observer.wait_for_gate(0, timeout_s=START_S, running=flight.companion)
         flight.companion.send_signal(signal.SIGINT)
         observer.wait_for_text("Disarmed by landing", timeout_s=60.0)
         assert flight.companion.wait(timeout=10.0) == 130
