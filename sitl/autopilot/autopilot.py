@@ -39,6 +39,7 @@ NOTHING = Estimate(
 )
 IDLE_THRUST = 0.001  # what PX4 shows on the ground
 RAMP_THRUST = 0.001  # least thrust before flight: the ramp begins with none
+CLEAR_M = 1.0  # above this the hover thrust is learnt, as PX4 does
 DISARMED_US, IDLE_US, FULL_US = 900, 1000, 2000  # pulse widths of SERVO_OUTPUT_RAW
 ON_GROUND, IN_AIR, TAKING_OFF, LANDING = 1, 2, 3, 4  # MAV_LANDED_STATE
 
@@ -66,6 +67,7 @@ class Autopilot:
         self._estimate = NOTHING
         self._entries = 0
         self._airborne_pending = False
+        self._clear = False  # flying, and once well above the ground
         self._cascade = Cascade(parameters, rotor_positions_frd_m, rotor_yaw_moments_m)
         self._commander = Commander(parameters)
         self._commands = Commands(self._commander, home)
@@ -77,7 +79,7 @@ class Autopilot:
 
     def start_airborne(self) -> None:
         """Begin in the air, armed, in OFFBOARD, hovering: for training, never for a flight."""
-        self._airborne_pending = True
+        self._airborne_pending = self._clear = True
         self._commander.start_airborne()
         self._takeoff.start_airborne()
         self._land_detector.start_airborne()
@@ -184,6 +186,7 @@ class Autopilot:
         )
         stage = takeoff.update(time_us, armed=True, landed=landed, wants_climb=climbs)
         in_flight = stage is Stage.FLIGHT
+        self._clear = in_flight and (self._clear or self._is_clear_of_ground(estimate))
         if not (in_flight or stage is Stage.RAMP_UP) or (
             in_flight and self._land_detector.ground_contact
         ):
@@ -193,7 +196,7 @@ class Autopilot:
             speed_up = self._takeoff_speed if mode is Mode.TAKEOFF else limits.speed_up_m_s
             limits = self._ground_limits._replace(speed_up_m_s=takeoff.speed_limit(speed_up))
         setpoint = self._setpoint(estimate, mode, in_flight=in_flight)
-        return self._cascade.fly(estimate, setpoint, limits, landed=landed)
+        return self._cascade.fly(estimate, setpoint, limits, landed=landed, clear=self._clear)
 
     def _setpoint(self, estimate: Estimate, mode: Mode, *, in_flight: bool) -> Setpoint:
         if mode is Mode.OFFBOARD:
@@ -256,6 +259,9 @@ class Autopilot:
 
     def _just_armed(self) -> bool:
         return self._commander.armed and self._takeoff.stage is Stage.DISARMED
+
+    def _is_clear_of_ground(self, estimate: Estimate) -> bool:
+        return (self._home_ned or ORIGIN)[2] - estimate.position_ned[2] > CLEAR_M
 
     def _landed_state(self) -> int:
         if self._commander.landed:

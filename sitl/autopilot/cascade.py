@@ -51,10 +51,16 @@ class Cascade:
         self.position.reset_hover_thrust(hover_thrust)
 
     def fly(
-        self, estimate: Estimate, setpoint: Setpoint, limits: Limits, *, landed: bool
+        self,
+        estimate: Estimate,
+        setpoint: Setpoint,
+        limits: Limits,
+        *,
+        landed: bool,
+        clear: bool,
     ) -> MotorThrusts:
-        """Follow a setpoint for one tick."""
-        if not landed:
+        """Follow a setpoint for one tick; the hover thrust is learnt clear of the ground."""
+        if clear:
             self.position.learn_hover_thrust(TICK_S)
         asked = self.position.update(estimate, setpoint, limits, TICK_S)
         self.setpoint, self.asked = setpoint, asked

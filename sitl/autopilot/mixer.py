@@ -61,8 +61,12 @@ class Mixer:
         )
         lift = (t0 * thrust, t1 * thrust, t2 * thrust, t3 * thrust)
         turn = (y0 * yaw, y1 * yaw, y2 * yaw, y3 * yaw)
-        a, b, c, d = (f + g for f, g in zip(lift, tilt, strict=True))
-        full = (a + turn[0], b + turn[1], c + turn[2], d + turn[3])
+        full = (
+            lift[0] + tilt[0] + turn[0],
+            lift[1] + tilt[1] + turn[1],
+            lift[2] + tilt[2] + turn[2],
+            lift[3] + tilt[3] + turn[3],
+        )
         if min(full) >= 0.0 and max(full) <= 1.0:
             return Mixed(full, (0.0, 0.0, 0.0))
         return _desaturate(lift, tilt, turn, torque)

@@ -10,13 +10,15 @@ from typing import NamedTuple
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.return_home import Phase, ReturnHome
 from sitl.autopilot.setpoint import Setpoint
-from sitl.autopilot.trajectory import TICK_S, Trajectory, approach_speed
+from sitl.autopilot.trajectory import TICK_S, Agility, Trajectory
 from sitl.frames import wrap_pi, yaw_of
 from sitl.modes import Mode
 from sitl.records import Estimate, Vector3
 
 NAN = math.nan
 ORIGIN: Vector3 = (0.0, 0.0, 0.0)
+TAKEOFF_SHARE = 0.5  # of NAV_MC_ALT_RAD: PX4 was seen to hold from 2.1 m on, of 2.5 m
+STOPPED_M_S = 0.2  # slower than this, the place is held
 HEADING_RADIUS_M = 2.0  # closer to the goal than this, the heading stays
 
 
@@ -33,6 +35,7 @@ class Navigator:
     def __init__(self, parameters: Parameters) -> None:
         self._mode = Mode.HOLD
         self._trajectory = Trajectory(ORIGIN, ORIGIN, ORIGIN)
+        self._stopped = True  # the place is held; until then only the speed is
         self._goal = Goal()
         self._home_ned = ORIGIN
         self._yaw_rad = 0.0
@@ -46,8 +49,10 @@ class Navigator:
         self._up, self._down = p["MPC_Z_V_AUTO_UP"], p["MPC_Z_V_AUTO_DN"]
         self._takeoff_speed, self._land_speed = p["MPC_TKO_SPEED"], p["MPC_LAND_SPEED"]
         self._slow_altitudes = (p["MPC_LAND_ALT2"], p["MPC_LAND_ALT1"])
-        self._accelerations = (p["MPC_ACC_HOR"], min(p["MPC_ACC_UP_MAX"], p["MPC_ACC_DOWN_MAX"]))
-        self._jerk = p["MPC_JERK_AUTO"]
+        self._agility_xy = Agility(p["MPC_ACC_HOR"], p["MPC_JERK_AUTO"])
+        self._agility_z = Agility(
+            min(p["MPC_ACC_UP_MAX"], p["MPC_ACC_DOWN_MAX"]), p["MPC_JERK_AUTO"]
+        )
         self._yaw_step = math.radians(p["MPC_YAWRAUTO_MAX"]) * TICK_S
         self._altitude_radius = p["NAV_MC_ALT_RAD"]
         self._return_home.load(parameters)
@@ -56,7 +61,7 @@ class Navigator:
         self, mode: Mode, goal: Goal, home_ned: Vector3, estimate: Estimate, motion: Vector3
     ) -> None:
         """Begin a mode, out of the vehicle's own motion; `motion` is its acceleration, m/s2."""
-        limit_xy, limit_z = self._accelerations
+        limit_xy, limit_z = self._agility_xy[0], self._agility_z[0]
         norm = math.hypot(motion[0], motion[1])
         shrink = limit_xy / norm if norm > limit_xy else 1.0
         start = (
@@ -65,6 +70,7 @@ class Navigator:
             min(max(motion[2], -limit_z), limit_z),
         )
         self._trajectory = Trajectory(estimate.position_ned, estimate.velocity_ned, start)
+        self._stopped = False
         self._mode, self._goal, self._home_ned = mode, goal, home_ned
         self._yaw_rad = yaw_of(estimate.q_ned_frd)
         if mode is Mode.RTL:
@@ -77,7 +83,7 @@ class Navigator:
     def takeoff_done(self, estimate: Estimate) -> bool:
         """Whether a take-off has brought the vehicle itself close enough to its altitude."""
         left = self._goal.position_ned[2] - estimate.position_ned[2]
-        return self._mode is Mode.TAKEOFF and abs(left) < self._altitude_radius
+        return self._mode is Mode.TAKEOFF and abs(left) < TAKEOFF_SHARE * self._altitude_radius
 
     @property
     def return_height_m(self) -> float:
@@ -86,28 +92,52 @@ class Navigator:
 
     def wait(self, estimate: Estimate) -> Setpoint:
         """Stay on the ground, ready: the trajectory starts where the vehicle stands."""
-        self._trajectory = Trajectory(estimate.position_ned, ORIGIN, ORIGIN)
+        self._trajectory.relocate(estimate.position_ned)
+        self._stopped = True
         return Setpoint(
             position_ned=estimate.position_ned, velocity_ned=ORIGIN, yaw_rad=self._yaw_rad
         )
 
     def advance(self, estimate: Estimate) -> Setpoint:
         """Move the trajectory by one tick and give it as a setpoint."""
-        trajectory = self._trajectory
+        trajectory, position = self._trajectory, estimate.position_ned
         target, speed_down = self._lead(estimate)
         yaw, yaw_rate = self._turn(estimate, target)
-        if not trajectory.lags(estimate.position_ned):
-            speeds = (*self._speed_xy(target), self._speed_z(target[2], speed_down))
-            trajectory.move(speeds, self._accelerations, self._jerk)
+        stops = isnan(target[0])
+        if not (self._stopped or stops):
+            self._stopped = True
+        if not (self._stopped and trajectory.lags(position)):
+            self._move(target, speed_down)
+        if stops and not self._stopped and self._is_slow(estimate):
+            self._stopped = True
+            trajectory.north.position, trajectory.east.position = position[0], position[1]
         x, y, z = trajectory.position
-        descends = not isnan(speed_down)  # then only the rate counts, wherever the ground is
-        return Setpoint(
-            (x, y, NAN if descends else z),
-            trajectory.velocity,
-            trajectory.acceleration,
-            yaw,
-            yaw_rate,
-        )
+        if not self._stopped:
+            x = y = NAN
+        if not isnan(speed_down):  # a descent keeps its rate, wherever the ground is
+            z = NAN
+        return Setpoint((x, y, z), trajectory.velocity, trajectory.acceleration, yaw, yaw_rate)
+
+    def _move(self, target: Vector3, speed_down: float) -> None:
+        trajectory = self._trajectory
+        if isnan(target[0]):
+            trajectory.stop_xy(self._agility_xy)
+        else:
+            trajectory.approach_xy(target[0], target[1], self._cruise, self._agility_xy)
+        if not isnan(speed_down):
+            trajectory.down.lead(speed_down, self._agility_z)
+        elif isnan(target[2]):
+            trajectory.down.lead(0.0, self._agility_z)
+        else:
+            up = self._takeoff_speed if self._mode is Mode.TAKEOFF else self._up
+            speed_max = self._down if target[2] > trajectory.down.position else up
+            trajectory.approach_z(target[2], speed_max, self._agility_z)
+
+    def _is_slow(self, estimate: Estimate) -> bool:
+        """Whether the trajectory has stopped horizontally, and the vehicle nearly so."""
+        vx, vy, _ = estimate.velocity_ned
+        tx, ty, _ = self._trajectory.velocity
+        return tx == 0.0 and ty == 0.0 and vx * vx + vy * vy < STOPPED_M_S**2
 
     def _lead(self, estimate: Estimate) -> tuple[Vector3, float]:
         """Give the target (NaN: come to a stop), and the rate of a descent (NaN: none)."""
@@ -123,27 +153,6 @@ class Navigator:
         if mode is Mode.HOLD:
             return self._goal.position_ned, NAN
         return stop, self._land_speed  # a mode that needs sticks, without sticks
-
-    def _speed_xy(self, target: Vector3) -> tuple[float, float]:
-        if isnan(target[0]) or isnan(target[1]):
-            return (0.0, 0.0)
-        position = self._trajectory.position
-        x, y = target[0] - position[0], target[1] - position[1]
-        distance = math.hypot(x, y)
-        if distance < 1e-6:
-            return (0.0, 0.0)
-        speed = min(self._cruise, approach_speed(distance, self._accelerations[0], self._jerk))
-        return (x / distance * speed, y / distance * speed)
-
-    def _speed_z(self, target: float, speed_down: float) -> float:
-        if not isnan(speed_down):
-            return speed_down
-        if isnan(target):
-            return 0.0
-        left = target - self._trajectory.position[2]
-        speed = approach_speed(abs(left), self._accelerations[1], self._jerk)
-        up = self._takeoff_speed if self._mode is Mode.TAKEOFF else self._up
-        return min(speed, self._down) if left > 0.0 else -min(speed, up)
 
     def _landing_speed(self, position: Vector3) -> float:
         """Descend slower near the ground: linear between MPC_LAND_ALT1 and MPC_LAND_ALT2."""
