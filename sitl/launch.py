@@ -3,6 +3,7 @@
 The first HEARTBEAT goes out as soon as the links are open; what takes long to import comes after.
 """
 
+import gc
 import logging
 import signal
 import time
@@ -45,6 +46,7 @@ def launch(options: Options) -> int:
 
         server, stream = assemble(options, links, unix_epoch_us, stack)
         _log.info("vehicle %d: %s, camera %s", options.system, _describe(links), stream.uri)
+        gc.freeze()  # what is here now stays: no need to look through it again and again
         return _run(server)
 
 

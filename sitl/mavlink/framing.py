@@ -9,7 +9,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any, NamedTuple
 
-from pymavlink.generator.mavcrc import x25crc
+from pymavlink.generator import mavcrc
 
 from sitl.mavlink.dialect import Message, mavlink
 
@@ -116,22 +116,37 @@ def _decode(raw: bytes) -> Received | None:
     return Received(message.get_msgId(), message, raw, system, component)
 
 
-def _checksum(data: bytes) -> int:
-    return int(x25crc(data).crc)
+def _checksum_slowly(data: bytes) -> int:
+    return int(mavcrc.x25crc(data).crc)
+
+
+_checksum: Callable[[bytes], int] = mavcrc.mcrf4xx or _checksum_slowly  # fastcrc, if it is there
 
 
 @cache
 def _serialiser(message_type: Any) -> Callable[[Message], bytes]:
-    """Choose how to pack a type: directly if its fields are all scalars, else by its own pack."""
+    """Choose how to pack a type: as fast as its fields allow, its own way if it has text."""
     pack_values = message_type.unpacker.pack
     names = message_type.ordered_fieldnames
-    if len(names) == len(message_type.unpacker.unpack(bytes(message_type.unpacker.size))):
-        fields = operator.attrgetter(*names)
-        if len(names) > 1 and "char" not in message_type.fieldtypes:
-            return lambda message: bytes(pack_values(*fields(message)))
-    return _pack_arrays
+    if "char" in message_type.fieldtypes or len(names) == 1:
+        return _pack_slowly
+    fields = operator.attrgetter(*names)
+    if not any(message_type.array_lengths):
+        return lambda message: bytes(pack_values(*fields(message)))
+    arrays = [length > 0 for length in message_type.array_lengths]
+
+    def pack_arrays(message: Message) -> bytes:
+        values: list[float] = []
+        for value, is_array in zip(fields(message), arrays, strict=True):
+            if is_array:
+                values.extend(value)
+            else:
+                values.append(value)
+        return bytes(pack_values(*values))
+
+    return pack_arrays
 
 
-def _pack_arrays(message: Message) -> bytes:
+def _pack_slowly(message: Message) -> bytes:
     message.pack(_codec)
     return bytes(message.get_payload())

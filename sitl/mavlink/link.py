@@ -6,6 +6,8 @@ becomes its partner for good: later senders are obeyed, but the answers go to th
 
 import errno
 import socket
+from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -16,6 +18,7 @@ from sitl.mavlink.framing import Packet, Received, frame, pack, split
 LOOPBACK = "127.0.0.1"
 RECEIVE_BYTES = 2048  # a MAVLink frame has at most 280; longer datagrams are cut
 RECEIVE_BUFFER_BYTES = 1 << 20
+MAX_DATAGRAM_BYTES = 1400  # below any usual network's limit
 
 Address = tuple[str, int]
 
@@ -81,18 +84,37 @@ class Link:
 
     def send_packet(self, packet: Packet, component: int = AUTOPILOT) -> None:
         """Send a packed message as one of the vehicle's components."""
-        sequence = self._sequences.get(component, 0)
-        self._sequences[component] = (sequence + 1) & 0xFF
-        self.send_raw(frame(packet, sequence=sequence, system=self._system, component=component))
+        self.send_raw(self._frame(packet, component))
+
+    def send_together(self, packets: Iterable[Packet]) -> None:
+        """Send the autopilot's packed messages in as few datagrams as hold them."""
+        datagram = b""
+        for packet in packets:
+            raw = self._frame(packet, AUTOPILOT)
+            if self.tap is not None:
+                self.tap.record(raw, link=self.index)
+            if len(datagram) + len(raw) > MAX_DATAGRAM_BYTES:
+                self._send(datagram)
+                datagram = b""
+            datagram += raw
+        if datagram:
+            self._send(datagram)
 
     def send_raw(self, raw: bytes) -> None:
-        """Send a whole frame; a full or unreachable destination loses it, as UDP does."""
-        try:
-            self._socket.sendto(raw, self._remote)
-        except OSError:
-            return
+        """Send a whole frame as it is."""
         if self.tap is not None:
             self.tap.record(raw, link=self.index)
+        self._send(raw)
+
+    def _frame(self, packet: Packet, component: int) -> bytes:
+        sequence = self._sequences.get(component, 0)
+        self._sequences[component] = (sequence + 1) & 0xFF
+        return frame(packet, sequence=sequence, system=self._system, component=component)
+
+    def _send(self, datagram: bytes) -> None:
+        """Send; a full or unreachable destination loses it, as UDP does."""
+        with suppress(OSError):
+            self._socket.sendto(datagram, self._remote)
 
     def next_text_id(self) -> int:
         """Give the number of this link's next text; PX4 counts them from 0."""

@@ -1,5 +1,6 @@
 """Send what the vehicle says by itself: streams and texts, each encoded once for all links."""
 
+import itertools
 from collections.abc import Callable, Sequence
 
 from sitl.mavlink.dialect import AUTOPILOT, Message
@@ -54,15 +55,16 @@ class Outgoing:
                     link.send(message)
 
     def send_streams(self, time_us: int, make_view: Callable[[], View]) -> None:
-        """Send what the links' tables say is due."""
-        view: View | None = None
+        """Send what the links' tables say is due, each link's in one datagram."""
+        due = [streams.due(time_us) for streams in self.streams]
+        if not any(due):
+            return
+        view = make_view()
         packets: dict[int, Packet | None] = {}
-        for link, streams in zip(self._links, self.streams, strict=True):
-            for message_id in streams.due(time_us):
-                if message_id not in packets:
-                    view = view or make_view()
-                    message = ENCODERS[message_id](view)
-                    packets[message_id] = None if message is None else pack(message)
-                packet = packets[message_id]
-                if packet is not None:
-                    link.send_packet(packet)
+        for message_id in itertools.chain(*due):
+            if message_id not in packets:
+                message = ENCODERS[message_id](view)
+                packets[message_id] = None if message is None else pack(message)
+        for link, message_ids in zip(self._links, due, strict=True):
+            known = (packets[message_id] for message_id in message_ids)
+            link.send_together([packet for packet in known if packet is not None])
