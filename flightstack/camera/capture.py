@@ -16,6 +16,9 @@ OPEN_TIMEOUT_MS = 5000
 READ_TIMEOUT_MS = 5000
 DEFAULT_RATE_HZ = 20.0  # of a video file that does not say
 
+# Errors are ours to tell, in one line. OpenCV reads this when it first needs FFmpeg.
+os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+
 
 class CaptureSource:
     """An opened cv2.VideoCapture; frames are stamped with the vehicle's clock as they come."""
@@ -57,7 +60,6 @@ class CaptureSource:
 
 
 def _open(uri: str) -> cv2.VideoCapture:
-    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")  # the error is ours to tell, in one line
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     if uri.isdecimal():
         return cv2.VideoCapture(int(uri))

@@ -43,8 +43,12 @@ class MultipartSource:
         path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
         connection.request("GET", path)
         self._socket: socket.socket = connection.sock
-        self._response = connection.getresponse()
-        self._check(uri)
+        try:
+            self._response = connection.getresponse()
+            self._check(uri)
+        except (OSError, http.client.HTTPException):
+            self.close()
+            raise
         self._socket.settimeout(None)  # a vehicle may stand still between two frames
 
     def read(self) -> Arrival:
@@ -67,7 +71,6 @@ class MultipartSource:
         content_type = self._response.getheader("Content-Type", "")
         if self._response.status == http.client.OK and content_type.startswith(MULTIPART):
             return
-        self.close()
         if self._response.status != http.client.OK:
             raise OSError(0, f"{uri} answers {self._response.status} {self._response.reason}")
         raise NotMultipartError(0, f"{uri} is no {MULTIPART} stream but {content_type!r}")

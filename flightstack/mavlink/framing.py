@@ -6,13 +6,14 @@ the next byte, so that noise costs no more than the frames it hit.
 """
 
 from pymavlink.dialects.v20 import common
-from pymavlink.generator.mavcrc import x25crc
+from pymavlink.generator.mavcrc import mcrf4xx
 
 MAGIC_V1, MAGIC_V2 = 0xFE, 0xFD
 OVERHEAD_V1 = 8  # header 6, checksum 2
 OVERHEAD_V2 = 12  # header 10, checksum 2
 SIGNED_FLAG = 0x01  # incompatibility flag
 SIGNATURE_BYTES = 13
+CRC_START = 0xFFFF
 CRC_EXTRA = {number: bytes([kind.crc_extra]) for number, kind in common.mavlink_map.items()}
 
 
@@ -21,14 +22,14 @@ def split_frames(data: bytes) -> tuple[list[bytes], int]:
     frames = []
     at, end = 0, len(data)
     while at < end:
-        if data[at] not in (MAGIC_V1, MAGIC_V2):
+        if data[at] != MAGIC_V2 and data[at] != MAGIC_V1:
             at += 1
             continue
-        length = _frame_length(data, at)
-        if length is None or at + length > end:
+        length = _frame_length(data, at, end)
+        if at + length > end:
             break  # not all here yet
         frame = data[at : at + length]
-        if _is_sound(frame, data[at + length : at + length + 1]):
+        if _is_sound(frame, data, at + length):
             frames.append(frame)
             at += length
         else:
@@ -62,19 +63,21 @@ def source_of(frame: bytes) -> tuple[int, int]:
     return (frame[5], frame[6]) if frame[0] == MAGIC_V2 else (frame[3], frame[4])
 
 
-def _frame_length(data: bytes, at: int) -> int | None:
+def _frame_length(data: bytes, at: int, end: int) -> int:
+    """Read how long the frame at `at` is, or at least how much of it is needed to know."""
+    if at + OVERHEAD_V1 > end:
+        return OVERHEAD_V1
     if data[at] == MAGIC_V1:
-        return data[at + 1] + OVERHEAD_V1 if at + 1 < len(data) else None
-    if at + 2 >= len(data):
-        return None
-    signature = SIGNATURE_BYTES if data[at + 2] & SIGNED_FLAG else 0
-    return data[at + 1] + OVERHEAD_V2 + signature
+        return data[at + 1] + OVERHEAD_V1
+    if data[at + 2] & SIGNED_FLAG:
+        return data[at + 1] + OVERHEAD_V2 + SIGNATURE_BYTES
+    return data[at + 1] + OVERHEAD_V2
 
 
-def _is_sound(frame: bytes, following: bytes) -> bool:
+def _is_sound(frame: bytes, data: bytes, following: int) -> bool:
     extra = CRC_EXTRA.get(message_id(frame))
     if extra is None:
-        return not following or following[0] in (MAGIC_V1, MAGIC_V2)
+        return following == len(data) or data[following] in (MAGIC_V1, MAGIC_V2)
     end = frame[1] + (10 if frame[0] == MAGIC_V2 else 6)
-    checksum: int = x25crc(frame[1:end] + extra).crc
+    checksum: int = mcrf4xx(frame[1:end] + extra, CRC_START)
     return checksum == frame[end] | frame[end + 1] << 8

@@ -36,6 +36,8 @@ STAMPED = frozenset(
 STAMP_BYTES = 4
 # Only the newest of these matters: they are decoded once a drain.
 COALESCED = frozenset({common.MAVLINK_MSG_ID_LOCAL_POSITION_NED})
+NOBODY = -1
+NOTHING: frozenset[int] = frozenset()
 WANTED = {
     AUTOPILOT_COMPONENT: frozenset(
         {
@@ -43,6 +45,7 @@ WANTED = {
             common.MAVLINK_MSG_ID_COMMAND_ACK,
             common.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
             common.MAVLINK_MSG_ID_HOME_POSITION,
+            common.MAVLINK_MSG_ID_LOCAL_POSITION_NED,
             common.MAVLINK_MSG_ID_STATUSTEXT,
         }
     ),
@@ -85,6 +88,7 @@ class Link:
         self.tlog = tlog
         self.clock = clock
         self.vehicle: Vehicle | None = None
+        self._vehicle_system = NOBODY
         self._transport = transport
         self._wall_s = wall_s
         self._heard_s = wall_s()
@@ -136,18 +140,19 @@ class Link:
         system, component = source_of(frame)
         if self.vehicle is None:
             self._meet(frame, number, (system, component), address)
-        ours = self.vehicle is not None and system == self.vehicle.system_id
-        if ours and component == AUTOPILOT_COMPONENT:
+        if system != self._vehicle_system:
+            self.tlog.append(self.clock.elapsed_us, frame)
+            return
+        if component == AUTOPILOT_COMPONENT:
             self._heard_s = self._wall_s()
             if number in STAMPED:
                 self._observe_stamp(frame)
         self.tlog.append(self.clock.elapsed_us, frame)
-        if not ours:
-            return
-        if number in COALESCED and component == AUTOPILOT_COMPONENT:
-            self._newest[number] = frame
-        elif number in WANTED.get(component, ()):
-            self._decode(frame, messages)
+        if number in WANTED.get(component, NOTHING):
+            if number in COALESCED:
+                self._newest[number] = frame
+            else:
+                self._decode(frame, messages)
 
     def _meet(
         self, frame: bytes, number: int, source: tuple[int, int], address: Address | None
@@ -158,11 +163,12 @@ class Link:
         self._decode(frame, decoded)
         if decoded and decoded[0].autopilot != common.MAV_AUTOPILOT_INVALID:
             self.vehicle = Vehicle(source[0], decoded[0].autopilot, address)
+            self._vehicle_system = source[0]
 
     def _observe_stamp(self, frame: bytes) -> None:
-        length, payload = frame[1], frame[10:] if frame[0] == MAGIC_V2 else frame[6:]
-        stamp_ms = int.from_bytes(payload[: min(length, STAMP_BYTES)], "little")
-        self.clock.observe(stamp_ms * 1000)
+        begin = 10 if frame[0] == MAGIC_V2 else 6
+        end = begin + min(frame[1], STAMP_BYTES)  # MAVLink 2 leaves trailing zeros out
+        self.clock.observe(int.from_bytes(frame[begin:end], "little") * 1000)
 
     def _decode(self, frame: bytes, messages: list[Message]) -> None:
         try:

@@ -183,5 +183,6 @@ def _explain(endpoint: Endpoint, error: Exception) -> str:
     number = getattr(error, "errno", None)
     if number == errno.EADDRINUSE:
         return f"port {endpoint.port} is in use by another program; choose another, such as 14540"
-    reason = os.strerror(number) if isinstance(number, int) and number > 0 else str(error)
+    known = isinstance(number, int) and number > 0
+    reason = os.strerror(number) if known else getattr(error, "strerror", None) or str(error)
     return f"cannot open {endpoint}: {reason}"

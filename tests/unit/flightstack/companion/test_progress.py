@@ -1,0 +1,41 @@
+"""Lines for events; a live line only where there is a terminal."""
+
+from io import StringIO
+
+from flightstack.companion.progress import ERASE_LINE, Progress
+
+
+class Terminal(StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def told(verbosity: int) -> str:
+    stream = StringIO()
+    progress = Progress(verbosity=verbosity, stream=stream)
+    progress.event("event")
+    progress.detail("detail")
+    progress.warning("wrong")
+    return stream.getvalue()
+
+
+def test_verbosity_chooses_what_is_told() -> None:
+    assert told(-1) == "warning: wrong\n"
+    assert told(0) == "event\nwarning: wrong\n"
+    assert told(1) == "event\ndetail\nwarning: wrong\n"
+
+
+def test_a_file_gets_no_live_line() -> None:
+    assert not Progress(stream=StringIO()).wants_live
+
+
+def test_events_stand_above_the_live_line() -> None:
+    terminal = Terminal()
+    progress = Progress(stream=terminal)
+    assert progress.wants_live
+    progress.live("1.5 m/s")
+    assert not progress.wants_live
+    progress.event("gate 1")
+    progress.close()
+    written = f"{ERASE_LINE}1.5 m/s{ERASE_LINE}gate 1\n1.5 m/s{ERASE_LINE}"
+    assert terminal.getvalue() == written

@@ -1,0 +1,69 @@
+"""A link whose other end is the test."""
+
+from pathlib import Path
+from typing import Any
+
+from pymavlink.dialects.v20 import common
+
+from flightstack.clock import VehicleClock
+from flightstack.mavlink.framing import split_frames
+from flightstack.mavlink.link import Link
+from flightstack.mavlink.tlog import TlogWriter
+from flightstack.mavlink.transport import Address, Received
+
+VEHICLE: Address = ("10.0.0.1", 14580)
+
+
+class MemoryTransport:
+    def __init__(self) -> None:
+        self.closed = False
+        self.waiting: list[Received] = []
+        self.sent: list[tuple[bytes, Address | None]] = []
+
+    def fileno(self) -> int:
+        raise NotImplementedError
+
+    def receive(self) -> list[Received]:
+        waiting, self.waiting = self.waiting, []
+        return waiting
+
+    def send(self, frame: bytes, address: Address | None) -> None:
+        self.sent.append((frame, address))
+
+    def close(self) -> None:
+        self.closed = True
+
+
+class Wall:
+    now_s = 50.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+class MadeLink:
+    """A link, its clock, and the vehicle's mouth."""
+
+    def __init__(self, folder: Path) -> None:
+        self.transport = MemoryTransport()
+        self.wall = Wall()
+        self.clock = VehicleClock(self.wall)
+        self.tlog = TlogWriter(folder / "link.tlog", self.wall)
+        self.link = Link(self.transport, self.tlog, self.clock, self.wall)
+
+    def say(
+        self, message: Any, system: int = 3, component: int = 1, address: Address = VEHICLE
+    ) -> bytes:
+        frame = bytes(message.pack(common.MAVLink(None, system, component)))
+        self.transport.waiting.append((split_frames(frame)[0], address))
+        return frame
+
+    def sent(self) -> list[Any]:
+        parser = common.MAVLink(None)
+        return [parser.decode(bytearray(frame)) for frame, _ in self.transport.sent]
+
+
+def heartbeat(
+    *, autopilot: int = 12, mode: int = 0x03040000, base_mode: int = 29, status: int = 3
+) -> Any:
+    return common.MAVLink_heartbeat_message(2, autopilot, base_mode, mode, status, 3)

@@ -1,0 +1,122 @@
+"""The link knows its vehicle, logs all, and decodes what is used."""
+
+import math
+from pathlib import Path
+
+import pytest
+from pymavlink.dialects.v20 import common
+
+from tests.unit.flightstack.mavlink.made_link import VEHICLE, MadeLink, heartbeat
+
+
+@pytest.fixture
+def made(tmp_path: Path) -> MadeLink:
+    return MadeLink(tmp_path)
+
+
+def attitude(stamp_ms: int) -> common.MAVLink_attitude_message:
+    return common.MAVLink_attitude_message(stamp_ms, 0, 0, 0, 0, 0, 0)
+
+
+def position(x_m: float) -> common.MAVLink_local_position_ned_message:
+    return common.MAVLink_local_position_ned_message(1000, x_m, 0, 0, 0, 0, 0)
+
+
+def test_the_first_autopilot_is_the_vehicle(made: MadeLink) -> None:
+    made.say(heartbeat(autopilot=8), system=255, component=190)
+    made.say(heartbeat(autopilot=8), system=3, component=100)
+    made.link.drain()
+    assert made.link.vehicle is None
+    made.say(heartbeat())
+    made.say(heartbeat(), system=4)
+    assert [message.get_srcSystem() for message in made.link.drain()] == [3]
+    assert made.link.vehicle is not None
+    assert (made.link.system_id, made.link.vehicle.autopilot) == (3, 12)
+
+
+def test_an_invalid_autopilot_is_no_vehicle(made: MadeLink) -> None:
+    made.say(heartbeat(autopilot=8))
+    made.link.drain()
+    assert made.link.vehicle is None
+
+
+def test_others_cannot_pose_as_the_vehicle(made: MadeLink) -> None:
+    made.say(heartbeat())
+    made.say(heartbeat(status=4), address=("10.0.0.66", 1))
+    assert [message.system_status for message in made.link.drain()] == [3]
+
+
+def test_speaks_as_the_vehicles_companion_to_where_it_was_heard(made: MadeLink) -> None:
+    made.say(heartbeat())
+    made.link.drain()
+    made.link.send(heartbeat())
+    made.link.send(heartbeat())
+    first, second = made.sent()
+    assert (first.get_srcSystem(), first.get_srcComponent()) == (3, 191)
+    assert (first.get_seq(), second.get_seq()) == (0, 1)
+    assert made.transport.sent[0][1] == VEHICLE
+
+
+def test_filters_by_source(made: MadeLink) -> None:
+    made.say(heartbeat())
+    made.link.drain()
+    reached = common.MAVLink_mission_item_reached_message(4)
+    made.say(reached)  # the vehicle's own mission, not the referee's
+    made.say(reached, system=9, component=25)
+    assert made.link.drain() == []
+    made.say(reached, component=25)
+    assert [message.seq for message in made.link.drain()] == [4]
+
+
+def test_only_the_newest_position_is_decoded(made: MadeLink) -> None:
+    made.say(heartbeat())
+    made.link.drain()
+    for x_m in (1.0, 2.0, 3.0):
+        made.say(position(x_m))
+    assert [message.x for message in made.link.drain()] == [3.0]
+    assert made.link.drain() == []
+
+
+def test_stamps_move_the_clock(made: MadeLink) -> None:
+    made.say(heartbeat())
+    made.say(attitude(0))
+    made.link.drain()
+    assert made.clock.started
+    made.say(attitude(70_000))
+    made.say(attitude(90_000), system=9)
+    made.link.drain()
+    assert made.clock.stamp_us == 70_000_000
+
+
+def test_silence_is_counted_from_the_vehicles_last_word(made: MadeLink) -> None:
+    made.say(heartbeat())
+    made.link.drain()
+    made.wall.now_s += 2.0
+    made.say(heartbeat(autopilot=8), component=100)
+    made.link.drain()
+    assert made.link.silence_s == pytest.approx(2.0)
+    made.transport.closed = True
+    assert math.isinf(made.link.silence_s)
+
+
+def test_logs_both_directions_in_vehicle_time(made: MadeLink) -> None:
+    frames = [made.say(heartbeat()), made.say(attitude(5000)), made.say(attitude(6000))]
+    foreign = made.say(heartbeat(autopilot=8), system=255)
+    made.link.drain()
+    made.link.send(heartbeat())
+    made.link.close()
+    content = made.tlog.path.read_bytes()
+    records = [*frames, foreign, made.transport.sent[0][0]]
+    assert len(content) == sum(8 + len(frame) for frame in records)
+    times_us = []
+    for frame in records:
+        times_us.append(int.from_bytes(content[:8], "big"))
+        assert content[8 : 8 + len(frame)] == frame
+        content = content[8 + len(frame) :]
+    assert [time_us - times_us[0] for time_us in times_us] == [
+        0,
+        0,
+        1_000_000,
+        1_000_000,
+        1_000_000,
+    ]

@@ -1,0 +1,103 @@
+"""Bytes over real sockets and a real pseudo-terminal."""
+
+import os
+import select
+import socket
+import tty
+
+import pytest
+
+from flightstack.errors import LinkError
+from flightstack.mavlink.endpoint import parse_endpoint
+from flightstack.mavlink.transport import Transport, UdpTransport, open_transport
+from tests.unit.flightstack.mavlink.test_framing import heartbeat
+
+WAIT_S = 5.0
+
+
+def received(transport: Transport) -> list[bytes]:
+    assert select.select([transport], [], [], WAIT_S)[0]
+    return [frame for frames, _ in transport.receive() for frame in frames]
+
+
+def free_udp_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+def test_udp_listens_and_answers() -> None:
+    listening = UdpTransport(parse_endpoint(f"udpin:127.0.0.1:{free_udp_port()}"))
+    sending = UdpTransport(parse_endpoint(f"udpout:127.0.0.1:{listening.address[1]}"))
+    sending.send(heartbeat(1), None)
+    assert select.select([listening], [], [], WAIT_S)[0]
+    ((frames, address),) = listening.receive()
+    assert frames == [heartbeat(1)]
+    listening.send(heartbeat(2), address)
+    assert received(sending) == [heartbeat(2)]
+    listening.send(heartbeat(3), None)  # nobody has been heard: nowhere to send
+    for transport in (listening, sending):
+        transport.close()
+
+
+def test_udp_to_nobody_is_lost_quietly() -> None:
+    sending = UdpTransport(parse_endpoint(f"udpout:127.0.0.1:{free_udp_port()}"))
+    for number in range(3):
+        sending.send(heartbeat(number), None)
+        assert sending.receive() == []
+    sending.close()
+
+
+def test_a_busy_port_is_named() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as holder:
+        holder.bind(("127.0.0.1", 0))
+        port = holder.getsockname()[1]
+        with pytest.raises(LinkError, match=f"port {port} is in use"):
+            open_transport(parse_endpoint(str(port)))
+
+
+def test_tcp_carries_frames_cut_anywhere() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        transport = open_transport(parse_endpoint(f"tcp:127.0.0.1:{server.getsockname()[1]}"))
+        peer, _ = server.accept()
+        peer.sendall(heartbeat(1) + heartbeat(2)[:5])
+        assert received(transport) == [heartbeat(1)]
+        peer.sendall(heartbeat(2)[5:])
+        assert received(transport) == [heartbeat(2)]
+        transport.send(heartbeat(3), None)
+        assert peer.recv(100) == heartbeat(3)
+        peer.close()
+        assert received(transport) == []
+        assert transport.closed
+        transport.close()
+
+
+def test_tcp_to_nobody_is_an_error() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+    with pytest.raises(LinkError, match="Connection refused"):
+        open_transport(parse_endpoint(f"tcp:127.0.0.1:{port}"))
+
+
+def test_a_serial_line_carries_frames() -> None:
+    ours, theirs = os.openpty()
+    tty.setraw(ours)
+    transport = open_transport(parse_endpoint(f"{os.ttyname(theirs)},921600"))
+    os.write(ours, heartbeat(1))
+    assert received(transport) == [heartbeat(1)]
+    transport.send(heartbeat(2), None)
+    assert os.read(ours, 100) == heartbeat(2)
+    transport.close()
+    os.close(ours)
+    os.close(theirs)
+
+
+def test_a_serial_line_that_is_not_there_is_an_error() -> None:
+    with pytest.raises(LinkError, match="No such file"):
+        open_transport(parse_endpoint("/dev/nosuchtty,57600"))
+
+
+def test_an_unknown_host_is_an_error() -> None:
+    with pytest.raises(LinkError, match=r"cannot open udpout:no\.such\.invalid:1"):
+        open_transport(parse_endpoint("udpout:no.such.invalid:1"))

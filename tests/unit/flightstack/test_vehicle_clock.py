@@ -1,0 +1,47 @@
+"""Vehicle time follows stamps, at any speed."""
+
+from flightstack.clock import VehicleClock
+
+
+class Wall:
+    def __init__(self) -> None:
+        self.now_s = 100.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+def test_unknown_before_the_first_stamp() -> None:
+    clock = VehicleClock(Wall())
+    assert not clock.started
+    assert (clock.stamp_us, clock.elapsed_us, clock.now_us()) == (0, 0, 0)
+
+
+def test_bridges_the_gap_between_stamps_by_the_wall() -> None:
+    wall = Wall()
+    clock = VehicleClock(wall)
+    clock.observe(5_000_000)
+    wall.now_s += 0.25
+    assert clock.now_us() == 5_250_000
+    assert clock.stamp_us == 5_000_000
+
+
+def test_counts_from_the_first_stamp() -> None:
+    clock = VehicleClock(Wall())
+    clock.observe(5_000_000)
+    clock.observe(7_500_000)
+    assert clock.elapsed_us == 2_500_000
+
+
+def test_a_message_out_of_order_changes_nothing() -> None:
+    clock = VehicleClock(Wall())
+    clock.observe(5_000_000)
+    clock.observe(4_980_000)
+    assert clock.stamp_us == 5_000_000
+
+
+def test_follows_a_reboot() -> None:
+    clock = VehicleClock(Wall())
+    clock.observe(5_000_000)
+    clock.observe(20_000)
+    assert (clock.stamp_us, clock.elapsed_us) == (20_000, 0)
