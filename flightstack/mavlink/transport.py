@@ -180,9 +180,8 @@ def _open_serial(endpoint: Endpoint) -> StreamTransport:
 
 
 def _explain(endpoint: Endpoint, error: Exception) -> str:
-    number = getattr(error, "errno", None)
+    number = getattr(error, "errno", None) or 0
     if number == errno.EADDRINUSE:
         return f"port {endpoint.port} is in use by another program; choose another, such as 14540"
-    known = isinstance(number, int) and number > 0
-    reason = os.strerror(number) if known else getattr(error, "strerror", None) or str(error)
+    reason = os.strerror(number) if number > 0 else getattr(error, "strerror", None) or str(error)
     return f"cannot open {endpoint}: {reason}"
