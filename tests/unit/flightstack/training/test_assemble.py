@@ -1,0 +1,110 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from flightstack import models
+from flightstack.companion.pipeline import load_pipeline
+from flightstack.errors import UsageError
+from flightstack.perception.dronet import Dronet
+from flightstack.records import Frame
+from flightstack.training.assemble import write_model
+from flightstack.training.catalogue import read_catalogue
+from flightstack.training.dataset import Dataset
+from flightstack.training.perception import PerceptionRun
+from flightstack.training.policy import train_policy
+from flightstack.training.presets import PolicySettings
+from flightstack.training.runs import read_run
+
+
+@pytest.fixture(scope="module")
+def policy_folder(
+    control_data: Dataset, encoder: Dronet, tmp_path_factory: pytest.TempPathFactory
+) -> Path:
+    folder = tmp_path_factory.mktemp("runs") / "policy-mcd-ensemble-0"
+    settings = PolicySettings(members=5, probabilistic=True, epochs=20, batch=32)
+    device = torch.device("cpu")
+    train_policy(
+        control_data,
+        encoder,
+        settings,
+        folder,
+        perception="x",
+        device=device,
+        report=lambda _: None,
+    )
+    return folder
+
+
+@pytest.fixture
+def folder(perception_run: PerceptionRun, policy_folder: Path, tmp_path: Path) -> Path:
+    folder = tmp_path / "test" / "m0"
+    write_model(
+        folder,
+        read_catalogue()["m0"],
+        read_run(perception_run.folder),
+        read_run(policy_folder),
+        recipe="test",
+        preset="quick",
+    )
+    return folder
+
+
+def test_written_model_flies_on_the_trained_weights(
+    folder: Path, perception_run: PerceptionRun, control_data: Dataset
+) -> None:
+    loaded = models.load(str(folder))
+    assert loaded.config.perception.label_scale == perception_run.scale
+    image = torch.zeros(1, 3, 64, 64)
+    with torch.inference_mode():
+        torch.testing.assert_close(
+            loaded.encoder(image)[0], perception_run.model.encoder(image)[0], atol=1e-5, rtol=1e-4
+        )
+    pipeline = load_pipeline(str(folder))
+    at = control_data.splits["validation"][:40]
+    images = control_data.images[at]
+    frames = [Frame(stamp_us=k, sequence=k, rgb=rgb) for k, rgb in enumerate(images)]
+    commands = np.array([pipeline.decide(frame).command for frame in frames])
+    error = np.abs(commands - control_data.labels[at]).mean(axis=0)
+    constant = np.abs(control_data.labels[at] - control_data.labels[at].mean(axis=0)).mean(axis=0)
+    assert (error < 0.7 * constant).all()
+
+
+def test_card_tells_seed_data_and_figures(folder: Path) -> None:
+    card = (folder / "README.md").read_text()
+    assert card.startswith("---\nlicense: bsd-3-clause\n")
+    assert "# test/m0" in card
+    assert "encoder seed 0, policy seed\n0" in card
+    assert "| control | `synthetic` |" in card
+    assert "| yaw_rate |" in card
+
+
+def test_metrics_stand_beside_the_weights(folder: Path, perception_run: PerceptionRun) -> None:
+    metrics = json.loads((folder / "metrics.json").read_text())
+    assert metrics["perception"]["label_mae"] == pytest.approx(perception_run.metrics.label_mae)
+    assert len(metrics["policy"]["coverage"]) == 4
+    assert metrics["trained"]["preset"] == "quick"
+
+
+def test_image_decoder_does_not_fly(folder: Path) -> None:
+    assert (folder / "weights.safetensors").stat().st_size < 2_500_000
+
+
+def test_unfinished_run_is_a_clear_error(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="no finished training here"):
+        read_run(tmp_path)
+
+
+def test_catalogue_holds_the_papers_five_models() -> None:
+    plans = read_catalogue()
+    assert list(plans) == ["m0", "m1", "m2", "m3", "m4"]
+    assert [plan.samples for plan in plans.values()] == [32, 32, 1, 32, 1]
+
+
+def test_misspelt_catalogue_is_a_clear_error(tmp_path: Path) -> None:
+    path = tmp_path / "models.toml"
+    path.write_text('[m0]\nencoder = "mc"\n')
+    with pytest.raises(UsageError, match=r"models\.toml: m0: 'sampling' is missing"):
+        read_catalogue(path)

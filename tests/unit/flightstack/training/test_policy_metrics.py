@@ -1,0 +1,39 @@
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from flightstack.training.policy_metrics import measure_policy
+
+RNG = np.random.default_rng(0)
+
+
+def test_one_gaussian_that_tells_the_truth_covers_ninety_percent() -> None:
+    mean = RNG.normal(0.0, 1.0, (1, 20_000, 4))
+    target = mean[0] + RNG.normal(0.0, 0.5, (20_000, 4))
+    metrics = measure_policy(
+        mean, np.full(mean.shape, 0.25), target, members=1, constant=np.zeros(4)
+    )
+    assert metrics.coverage == pytest.approx([0.9] * 4, abs=0.01)
+    assert metrics.rmse == pytest.approx([0.5] * 4, rel=0.02)
+    expected = -norm.logpdf(target, mean[0], 0.5).mean(axis=0)
+    np.testing.assert_allclose(metrics.nll, expected)
+
+
+def test_mixture_is_more_than_its_moments() -> None:
+    """Two sharp Gaussians at -1 and 1: labels at 0 lie between them, outside of both."""
+    mean = np.stack([np.full((100, 4), -1.0), np.full((100, 4), 1.0)])
+    var = np.full(mean.shape, 1e-4)
+    middle = measure_policy(mean, var, np.zeros((100, 4)), members=2, constant=np.zeros(4))
+    on_one = measure_policy(mean, var, np.ones((100, 4)), members=2, constant=np.zeros(4))
+    assert middle.nll[0] > 1000.0
+    assert on_one.nll[0] == pytest.approx(np.log(2.0) - norm.logpdf(0.0, 0.0, 0.01))
+    assert middle.policy_std[0] == pytest.approx(1.0)
+    assert middle.latent_std[0] == 0.0
+
+
+def test_line_names_every_velocity() -> None:
+    metrics = measure_policy(
+        np.zeros((1, 5, 4)), np.ones((1, 5, 4)), np.ones((5, 4)), members=1, constant=np.zeros(4)
+    )
+    for name in ("vx", "vy", "vz", "yaw_rate"):
+        assert f"{name} 1.000" in metrics.line()
