@@ -26,6 +26,7 @@ INSTANCES = 10  # PX4 gives every instance its own offboard API port up to 14549
 API_PORT = 14540  # the companion's end, + instance
 PORTS_UDP = (18570, 14580, API_PORT)  # vehicle's GCS and API links, companion; + instance
 CAMERA_PORT = 8090  # + instance
+LAP_LIMIT_S = 90.0  # vehicle time: whoever needs longer has lost the course
 COMPANION_NOTICES_S = 8.0  # a companion whose vehicle died ends by itself within 5 s
 VEHICLE_ENDS_S = 5.0  # after SIGTERM: flush the log and leave
 VEHICLE_REFUSED = (2, 3)  # exit codes of a vehicle that never started: usage, ports
@@ -76,6 +77,7 @@ def companion_command(options: argparse.Namespace, instance: int) -> list[str]:
     names = [name for name in ("model", "strategy") if getattr(options, name) is not None]
     return [
         *(sys.executable, "-m", "flightstack.companion", f"--udp={API_PORT + instance}"),
+        f"--duration={LAP_LIMIT_S * options.laps}",
         *(f"--{name}={getattr(options, name)}" for name in names),
         *(["--json"] if options.json else []),
     ]

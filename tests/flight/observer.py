@@ -55,7 +55,9 @@ class Observer:
             for message in self._receive():
                 if condition(message):
                     return message
-            assert running is None or running.poll() is None, f"{running.args} ended before {what}"
+            assert running is None or running.poll() is None, (
+                f"{running.args!r} ended before {what}"
+            )
         raise AssertionError(f"no {what} within {timeout_s:g} s")
 
     def wait_for_mode(self, custom_mode: int, *, armed: bool, timeout_s: float) -> Any:
