@@ -80,6 +80,7 @@ class Autopilot:
     def start_airborne(self) -> None:
         """Begin in the air, armed, in OFFBOARD, hovering: for training, never for a flight."""
         self._airborne_pending = self._clear = True
+        self._home_ned = ORIGIN
         self._commander.start_airborne()
         self._takeoff.start_airborne()
         self._land_detector.start_airborne()

@@ -57,6 +57,9 @@ class Commander:
         self.armed, self._has_flown, self._landed, self._ready = True, True, False, True
         self.intended = self.mode = self._after_disarming = Mode.OFFBOARD
         self.failsafe = False
+        self.health = Health(
+            attitude_valid=True, position_valid=True, altitude_valid=True, offboard_available=True
+        )
         self.entries += 1
 
     def update(self, time_us: int, health: Health, *, landed: bool) -> None:
@@ -87,6 +90,7 @@ class Commander:
             return False
         self.armed, self._has_flown, self._landed = True, False, True
         self._since_us = self._time_us
+        self._after_disarming = self.intended
         self.entries += 1
         self.say(INFO, "Armed by external command")
         return True
