@@ -8,6 +8,7 @@ from flightstack.models import ModelConfig
 from flightstack.perception.labels import LABELS
 from flightstack.records import VELOCITIES
 from flightstack.training.catalogue import ModelPlan
+from flightstack.training.perception_metrics import BAND_M
 
 ENCODERS = {
     "mcd": "CM-VAE whose encoder has a dropout layer, sampled by Monte-Carlo dropout",
@@ -77,11 +78,16 @@ samples an image.
 
 
 def _perception_table(metrics: dict[str, Any]) -> str:
-    lines = ["| label | mean absolute error | of a constant |", "|---|---|---|"]
+    lines = [
+        "| label | mean absolute error | from {} to {} m | of a constant |".format(*BAND_M),
+        "|---|---|---|---|",
+    ]
     for k, name in enumerate(LABELS):
         unit, factor = ("m", 1.0) if name.endswith("_m") else ("deg", float(np.degrees(1.0)))
         error, constant = metrics["label_mae"][k] * factor, metrics["constant_mae"][k] * factor
-        lines.append(f"| {name.rsplit('_', 1)[0]} | {error:.2f} {unit} | {constant:.2f} {unit} |")
+        band = metrics["band_mae"][k] * factor
+        figures = " | ".join(f"{value:.2f} {unit}" for value in (error, band, constant))
+        lines.append(f"| {name.rsplit('_', 1)[0]} | {figures} |")
     return "\n".join(lines)
 
 

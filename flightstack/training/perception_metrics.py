@@ -8,13 +8,14 @@ import torch
 from numpy.typing import NDArray
 
 from flightstack.perception.cmvae import CmVae, kl_to_standard_normal
-from flightstack.perception.labels import LABELS, LabelScale
+from flightstack.perception.labels import LABELS, RANGE, LabelScale
 from flightstack.training.batches import ImageSource
 from flightstack.training.errors import TrainingError
 
 ACTIVE_VARIANCE = 0.01  # Burda et al. 2016: a unit is active where Var_x(mu) exceeds it
 MIN_ACTIVE_UNITS = 5
 MAX_ERROR_RATIO = 0.9  # of the constant predictor's error; above it the label was not learned
+BAND_M = (1.5, 8.0)
 BATCH = 256
 
 
@@ -26,6 +27,7 @@ class PerceptionMetrics:
     image_mse: float  # of a pixel in [-1, 1]
     label_mae: tuple[float, ...]  # (4,) m, rad, rad, rad
     constant_mae: tuple[float, ...]  # (4,) of the training labels' median
+    band_mae: tuple[float, ...]  # (4,) over the gates within BAND_M, where a passage is decided
     kl: tuple[float, ...]  # (Z,) nats
     activity: tuple[float, ...]  # (Z,) variance of the latent mean over the images
 
@@ -56,14 +58,22 @@ class PerceptionMetrics:
         for k, name in enumerate(LABELS):
             unit, factor = ("m", 1.0) if name.endswith("_m") else ("deg", np.degrees(1.0))
             error, constant = self.label_mae[k] * factor, self.constant_mae[k] * factor
-            lines.append(f"{name:>14}: error {error:6.2f} {unit}, constant {constant:6.2f} {unit}")
+            band = f"{self.band_mae[k] * factor:.2f} {unit} from {BAND_M[0]} to {BAND_M[1]} m"
+            lines.append(
+                f"{name:>14}: error {error:.2f} {unit} ({band}), constant {constant:.2f} {unit}"
+            )
         for k, (kl, activity) in enumerate(zip(self.kl, self.activity, strict=True)):
             lines.append(f"{f'z{k}':>14}: KL {kl:5.2f} nats, activity {activity:.3f}")
         return "\n".join(lines)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        return {**asdict(self), "active_units": self.active_units, "labels": list(LABELS)}
+        return {
+            **asdict(self),
+            "active_units": self.active_units,
+            "labels": list(LABELS),
+            "band_m": list(BAND_M),
+        }
 
     def require_healthy(self) -> None:
         """Raise TrainingError when a label or the posterior collapsed."""
@@ -102,11 +112,14 @@ def measure_perception(
             rebuilt = model.image_decoder(mean)
             image_sum += float((rebuilt - images).square().mean()) * len(images)
     errors = np.abs(scale.decode(np.concatenate(predicted)) - labels)
+    ranges = labels[:, RANGE]
+    in_band = (ranges > BAND_M[0]) & (ranges < BAND_M[1])
     return PerceptionMetrics(
         images=len(indices),
         image_mse=image_sum / len(indices),
         label_mae=tuple(errors.mean(axis=0).tolist()),
         constant_mae=tuple(np.abs(labels - constant).mean(axis=0).tolist()),
+        band_mae=tuple(errors[in_band].mean(axis=0).tolist()),
         kl=tuple((kl_sum / len(indices)).tolist()),
         activity=tuple(np.concatenate(means).var(axis=0).tolist()),
     )

@@ -78,6 +78,7 @@ HEALTHY = PerceptionMetrics(
     image_mse=0.1,
     label_mae=(0.5, 0.1, 0.1, 0.1),
     constant_mae=(2.0, 0.4, 0.4, 0.4),
+    band_mae=(0.3, 0.05, 0.05, 0.05),
     kl=(1.0,) * 10,
     activity=(1.0,) * 10,
 )
@@ -111,5 +112,6 @@ def test_control_data_is_refused(control_data: Dataset, tmp_path: Path) -> None:
 
 
 def test_table_speaks_degrees() -> None:
-    assert "azimuth_rad: error   5.73 deg, constant  22.92 deg" in HEALTHY.table()
-    assert "range_m: error   0.50 m" in HEALTHY.table()
+    line = "azimuth_rad: error 5.73 deg (2.86 deg from 1.5 to 8.0 m), constant 22.92 deg"
+    assert line in HEALTHY.table()
+    assert "range_m: error 0.50 m" in HEALTHY.table()
