@@ -1,6 +1,7 @@
 """Run the vehicle or the companion with its parts timed: `profiled.py ROLE REPORT [option ...]`.
 
-Started by lockstep.py. The report is JSON: the stopwatch's snapshots, and for the companion the times of its decisions.
+Started by lockstep.py. The report is JSON: the stopwatch's snapshots, and for the companion the
+times of its decisions.
 """
 
 import json

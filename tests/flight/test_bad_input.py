@@ -1,6 +1,7 @@
 """What cannot be is refused with one clear line and the right exit code."""
 
 import contextlib
+import shutil
 import socket
 import sys
 from collections.abc import Iterator
@@ -9,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from scripts.fly_course import API_PORT, free_instance
-from tests.flight.processes import ROOT, Ended, run, run_module
+from tests.flight.processes import ROOT, Ended, process, run, run_module
 
 pytestmark = pytest.mark.flight
 USAGE, NO_LINK, BAD_MODEL = 2, 3, 4
@@ -64,6 +65,26 @@ def test_companion_refuses_an_unknown_model() -> None:
 def test_companion_refuses_an_unknown_strategy() -> None:
     ended = run_module("flightstack.companion", "--udp=14549", "--strategy=hope")
     assert_one_line(ended, USAGE, "hope")
+
+
+def test_companion_refuses_damaged_weights(tmp_path: Path) -> None:
+    model = tmp_path / "damaged"
+    shutil.copytree(ROOT / "models" / "strong" / "m0", model)
+    weights = bytearray((model / "weights.safetensors").read_bytes())
+    weights[len(weights) // 2] ^= 0x01
+    (model / "weights.safetensors").write_bytes(weights)
+    ended = run_module("flightstack.companion", "--udp=14549", f"--model={model}")
+    assert_one_line(ended, BAD_MODEL, str(model), "damaged")
+
+
+@pytest.mark.parametrize("camera", ["http://127.0.0.1:9/stream", "/dev/video99", "no-such.mp4"])
+def test_companion_refuses_a_camera_that_is_not_there(tmp_path: Path, camera: str) -> None:
+    with free_instance() as instance:
+        vehicle_options = (f"--instance={instance}", "--noise=0,0")
+        companion_options = (f"--udp={API_PORT + instance}", f"--camera={camera}", "-q")
+        with process("sitl", *vehicle_options, log=tmp_path / "vehicle.txt"):
+            ended = run_module("flightstack.companion", *companion_options)
+    assert_one_line(ended, NO_LINK, camera)
 
 
 def test_fly_reports_an_unknown_model_and_leaves_no_process() -> None:
