@@ -53,7 +53,7 @@ def _arrays(log: Log, name: str) -> tuple[NDArray[np.int64], NDArray[np.int64], 
     table = log["DEBUG_FLOAT_ARRAY"]
     table = table.take(table["name"] == name)
     stamp_us = table["time_usec"].astype(np.int64)
-    return table.time_us, stamp_us, table["data"].astype(np.float64).reshape(len(table), -1)
+    return table.time_us, stamp_us, table["data"].astype(np.float64)
 
 
 def find_decisions(log: Log) -> Decisions:

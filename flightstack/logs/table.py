@@ -118,4 +118,4 @@ class Table:
     def rows(self) -> Iterator[tuple[Any, ...]]:
         """Yield each message as Python values, in the order of `names`."""
         columns = [self[name].tolist() for name in self.names]
-        return zip(*columns, strict=True)
+        return zip(*columns, strict=True) if columns else iter([()] * len(self))

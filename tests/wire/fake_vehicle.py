@@ -22,6 +22,7 @@ CLIMB_US = 1_000_000
 DESCENT_US = 1_000_000
 ANSWER_S = 5.0
 FREE_RUN_S = 0.002  # wall time a frame when nobody answers
+FIVEFOLD_S = FRAME_US / 5e6
 
 
 @dataclass(kw_only=True)
@@ -36,6 +37,8 @@ class Script:
     frames_stop_after: int | None = None
     silent_after: int | None = None
     stream_breaks_after: int | None = None
+    has_camera: bool = True  # without one, time runs free at five times real time
+    autopilot: int = 12
 
 
 class FakeVehicle:
@@ -51,6 +54,7 @@ class FakeVehicle:
         self.landed = common.MAV_LANDED_STATE_ON_GROUND
         self.takeoff_amsl_m: float | None = None
         self.flying = threading.Event()
+        self.landing = threading.Event()
         self._mode_us = 0
         self._grounded_us = 0
         self._velocity = 0.0
@@ -93,7 +97,7 @@ class FakeVehicle:
         return [m.command for m in self.received if m.get_type() == "COMMAND_LONG"]
 
     def _run(self) -> None:
-        while not self._stop.is_set() and self._client is None:
+        while not self._stop.is_set() and self._client is None and self.script.has_camera:
             self._heartbeats()
             self._listen(0.02)
         while not self._stop.is_set():
@@ -101,8 +105,10 @@ class FakeVehicle:
                 self._listen(0.05)
                 continue
             self._telemetry()
-            if self._reached(self.script.frames_stop_after):
-                self._listen(FREE_RUN_S)
+            if not self.script.has_camera:
+                self._run_free(FIVEFOLD_S)
+            elif self._reached(self.script.frames_stop_after):
+                self._run_free(FREE_RUN_S)
             else:
                 self._frame()
                 self._await_answer()
@@ -123,16 +129,18 @@ class FakeVehicle:
             home = (0, 0, altitude_mm, 0, 0, 0, [1, 0, 0, 0], 0, 0, 0)
             self._send(common.MAVLink_home_position_message(*home))
             self._course()
-        self._send(common.MAVLink_camera_trigger_message(self.time_us, self._frame_number), 100)
+        if self.script.has_camera:
+            self._send(common.MAVLink_camera_trigger_message(self.time_us, self._frame_number), 100)
 
     @property
     def _frame_number(self) -> int:
         return self.time_us // FRAME_US
 
     def _heartbeats(self) -> None:
+        autopilot = self.script.autopilot
         base = 29 + (128 if self.armed else 0)
         status = 4 if self.armed else 3 if self.script.armable else 0
-        self._send(common.MAVLink_heartbeat_message(2, 12, base, self.mode, status, 3))
+        self._send(common.MAVLink_heartbeat_message(2, autopilot, base, self.mode, status, 3))
         self._send(common.MAVLink_heartbeat_message(30, 8, 0, 0, 4, 3), 100)
 
     def _course(self) -> None:
@@ -173,6 +181,11 @@ class FakeVehicle:
         if self.mode == Px4Mode.OFFBOARD:
             self.offboard_frames += 1
 
+    def _run_free(self, period_s: float) -> None:
+        ends_s = time.monotonic() + period_s
+        while (left_s := ends_s - time.monotonic()) > 0:
+            self._listen(left_s)
+
     def _listen(self, timeout_s: float) -> None:
         ready, _, _ = select.select([self._udp, self._http], [], [], timeout_s)
         if self._http in ready and self._client is None:
@@ -208,7 +221,7 @@ class FakeVehicle:
             self._enter(Px4Mode.LAND)
         elif message.command == common.MAV_CMD_DO_SET_MODE:
             self._enter(Px4Mode(int(message.param2) << 16 | int(message.param3) << 24))
-        elif message.command == common.MAV_CMD_REQUEST_MESSAGE and message.param1 == 269:
+        elif message.param1 == 269 and self.script.has_camera:
             uri = f"http://127.0.0.1:{self._http.getsockname()[1]}/stream"
             stream = (1, 1, 0, 1, 20.0, 64, 64, 0, 0, 90, b"camera", uri.encode())
             self._send(common.MAVLink_video_stream_information_message(*stream), 100)
@@ -216,6 +229,8 @@ class FakeVehicle:
     def _enter(self, mode: Px4Mode) -> None:
         if mode == Px4Mode.OFFBOARD:
             self.flying.set()
+        if mode == Px4Mode.LAND:
+            self.landing.set()
         self.mode, self._mode_us = mode, self.time_us
 
     def _move(self) -> None:

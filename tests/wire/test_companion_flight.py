@@ -11,6 +11,7 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 from pymavlink import mavutil
@@ -20,6 +21,7 @@ from flightstack.companion.flight import FlightPlan, fly
 from flightstack.companion.mission_state import Outcome
 from flightstack.companion.progress import Progress
 from flightstack.companion.summary import Summary
+from flightstack.errors import LinkError
 from flightstack.mavlink.endpoint import parse_endpoint
 from flightstack.records import ALL_MEMBERS, Decision, Frame
 from tests.wire.fake_vehicle import HOME_AMSL_M, FakeVehicle, Script
@@ -57,7 +59,7 @@ def free_port() -> int:
 class Trial:
     """One flight of the companion with the fake vehicle, and what either side saw."""
 
-    def __init__(self, tmp_path: Path, script: Script, **plan: object) -> None:
+    def __init__(self, tmp_path: Path, script: Script, **plan: Any) -> None:
         port = free_port()
         self.pilot = ForwardPilot()
         self.output = StringIO()
@@ -65,8 +67,7 @@ class Trial:
         self.plan = FlightPlan(
             endpoint=parse_endpoint(f"udpin:127.0.0.1:{port}"),
             log=tmp_path / "flight.tlog",
-            timeout_s=10.0,
-            **plan,  # type: ignore[arg-type]
+            **({"timeout_s": 10.0} | plan),
         )
 
     def fly(self) -> Summary:
@@ -208,6 +209,58 @@ def test_never_sends_what_is_not_finite(tmp_path: Path) -> None:
     assert trial.fly().outcome is Outcome.COMPLETED
     assert {s.vx for s in trial.vehicle.setpoints()} == {0.0}
     assert trial.output.getvalue().count("not finite") == 1
+
+
+def test_a_second_signal_ends_at_once(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script(gates=None))
+
+    def interrupt() -> None:
+        trial.vehicle.flying.wait(20)
+        os.kill(os.getpid(), signal.SIGINT)
+        trial.vehicle.landing.wait(20)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    thread = threading.Thread(target=interrupt)
+    thread.start()
+    summary = trial.fly()
+    thread.join()
+    assert (summary.outcome, summary.exit_code) == (Outcome.INTERRUPTED, 130)
+    assert trial.vehicle.armed
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert sum(1 for _ in read_tlog(trial.plan.log)) > 100
+
+
+def test_any_camera_will_do(tmp_path: Path) -> None:
+    video = tmp_path / "flight.avi"
+    writer = cv2.VideoWriter(str(video), cv2.VideoWriter.fourcc(*"MJPG"), 50.0, (64, 64))
+    for _ in range(500):
+        writer.write(np.full((64, 64, 3), (0, 0, 255), np.uint8))
+    writer.release()
+    script = Script(gates=None, has_camera=False)
+    trial = Trial(tmp_path, script, camera=str(video), duration_s=2.0)
+    summary = trial.fly()
+    assert (summary.outcome, summary.exit_code) == (Outcome.COMPLETED, 0)
+    assert trial.pilot.frames[0].rgb[5, 5, 0] > 240
+    stamps_ms = [setpoint.time_boot_ms for setpoint in trial.vehicle.setpoints()]
+    assert stamps_ms == sorted(stamps_ms)
+    assert stamps_ms[-1] <= trial.vehicle.time_us / 1000 + 1000
+
+
+def test_no_vehicle_is_told(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script(), timeout_s=0.2)
+    with pytest.raises(LinkError, match=r"no vehicle heard on udpin:.* for 0\.2 s"):
+        fly(trial.plan, lambda: trial.pilot, Progress(verbosity=-1))
+    assert not trial.plan.log.exists()
+
+
+def test_a_vehicle_without_camera_is_told(tmp_path: Path) -> None:
+    with pytest.raises(LinkError, match="--camera"):
+        Trial(tmp_path, Script(has_camera=False), timeout_s=1.0).fly()
+
+
+def test_an_autopilot_that_is_no_px4_is_told(tmp_path: Path) -> None:
+    with pytest.raises(LinkError, match="no PX4"):
+        Trial(tmp_path, Script(autopilot=3)).fly()
 
 
 def test_the_log_holds_both_directions_in_vehicle_time(tmp_path: Path) -> None:

@@ -19,6 +19,24 @@ NOT_OFFBOARD = (Level.SKIPPED, "nothing was flown in OFFBOARD")
 
 
 @check(
+    "course",
+    title="Course",
+    meaning="What the referee of the course said. A course ends at the first gate that is "
+    "missed, or at a collision.",
+)
+def course(flight: Flight) -> Verdict:
+    """Judge how the course ended."""
+    events = flight.course_events
+    failure = next((event for event in events if event.is_failure), None)
+    if failure is not None:
+        at_s = flight.seconds(failure.time_us)
+        return Level.ERROR, f"{failure.text}, at {at_s:.1f} s, after {flight.gates_passed} gates"
+    if not events:
+        return Level.SKIPPED, "no referee in the log"
+    return Level.OK, f"{flight.gates_passed} gates passed, none failed"
+
+
+@check(
     "setpoint_rate",
     title="Setpoint rate",
     meaning="PX4 leaves OFFBOARD when no setpoint came for 1 s, and wants more than 2 Hz. "

@@ -3,6 +3,8 @@
 import resource
 import signal
 import struct
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -75,6 +77,26 @@ def test_leaves_no_empty_file(tmp_path: Path) -> None:
 def test_refuses_a_path_that_cannot_be_written(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"cannot write the log .*Is a directory"):
         TlogWriter(tmp_path)
+
+
+WRITE_AND_DIE = """
+import os, pathlib, signal, sys
+from flightstack.mavlink.tlog import TlogWriter
+log = TlogWriter(pathlib.Path(sys.argv[1]))
+for _ in range(100):
+    log.append(0, bytes.fromhex(sys.argv[2]))
+log.flush()
+log.append(0, bytes.fromhex(sys.argv[2]))
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_survives_a_kill_up_to_the_last_flush(tmp_path: Path) -> None:
+    path = tmp_path / "a.tlog"
+    command = [sys.executable, "-c", WRITE_AND_DIE, str(path), FRAME.hex()]
+    ended = subprocess.run(command, check=False)
+    assert ended.returncode == -signal.SIGKILL
+    assert path.stat().st_size == 100 * RECORD_BYTES
 
 
 @pytest.fixture

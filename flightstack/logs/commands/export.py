@@ -1,0 +1,41 @@
+"""Command: CSV, Parquet, or MCAP for Foxglove."""
+
+import importlib
+import json
+from argparse import Namespace
+from pathlib import Path
+
+from flightstack.logs.errors import LogFileError
+from flightstack.logs.log import read
+
+ENDINGS = {"csv": "", "parquet": "", "mcap": ".mcap"}  # of the default output beside the log
+
+
+def _format(arguments: Namespace) -> str:
+    """Return the format: as given, or by the output's ending."""
+    if arguments.format:
+        return str(arguments.format)
+    ending = arguments.output.suffix.lstrip(".").lower() if arguments.output else ""
+    if ending not in ENDINGS:
+        raise LogFileError("say --format csv, parquet or mcap, or -o FILE.mcap")
+    return str(ending)
+
+
+def run(arguments: Namespace) -> int:
+    """Write the log in another format and say where."""
+    kind = _format(arguments)
+    types = arguments.types.split(",") if arguments.types else None
+    log = read(arguments.log, types=types, system=arguments.system)
+    default = arguments.log.with_suffix(ENDINGS[kind] or f".{kind}")
+    output: Path = arguments.output or default
+    writer = importlib.import_module(f"flightstack.logs.export.{kind}")
+    try:
+        written = getattr(writer, f"write_{kind}")(log, output)
+    except OSError as error:
+        raise LogFileError(f"{output} cannot be written: {error.strerror}; use -o") from error
+    if arguments.json:
+        print(json.dumps({"written": [str(path) for path in written], "messages": len(log)}))
+    else:
+        files = f"{len(written)} files" if len(written) != 1 else "one file"
+        print(f"wrote {len(log)} messages to {output} ({files})")
+    return 0

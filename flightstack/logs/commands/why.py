@@ -1,0 +1,83 @@
+"""Command: the seconds before a gate was missed, as the companion saw and decided them."""
+
+import json
+from argparse import Namespace
+from collections.abc import Iterator
+
+import numpy as np
+
+from flightstack.logs.commands.opening import open_flight
+from flightstack.logs.decisions import LINEAR, VELOCITIES
+from flightstack.logs.errors import LogFileError
+from flightstack.logs.flight import Flight
+from flightstack.logs.summary import Facts
+from flightstack.logs.why import Failure, Moment, find_failure
+
+PARTS = ("aleatoric", "epistemic", "perceptual")
+
+
+def _facts(moment: Moment) -> Facts:
+    return {
+        "before_s": round(moment.before_s, 3),
+        "stamp_us": moment.stamp_us,
+        "command": np.round(moment.command, 4).tolist(),
+        **{f"{part}_std": np.round(getattr(moment, f"{part}_std"), 4).tolist() for part in PARTS},
+        "member": moment.member.tolist(),
+        "modes": moment.modes.tolist(),
+        "predictions": np.round(moment.predictions, 4).tolist(),
+        "frame": str(moment.frame) if moment.frame else None,
+    }
+
+
+def _length(moment: Moment, part: str) -> str:
+    return f"{np.linalg.norm(getattr(moment, f'{part}_std')[LINEAR]):10.3f}"
+
+
+def _numbers(values: list[float]) -> str:
+    return " ".join(f"{value:+6.2f}" for value in values)
+
+
+def _lines(flight: Flight, failure: Failure) -> Iterator[str]:
+    at_s = flight.seconds(failure.event.time_us)
+    yield f"{failure.event.text}, at {at_s:.2f} s"
+    if not failure.moments:
+        yield "the log holds no decisions of the seconds before"
+        return
+    yield (
+        f"{'before':>8}  {'command: ' + ', '.join(VELOCITIES):34}"
+        + "  ".join(f"{part:>10}" for part in PARTS)
+        + "  member     modes"
+    )
+    for moment in failure.moments:
+        parts = "  ".join(_length(moment, part) for part in PARTS)
+        member = " ".join(map(str, moment.member.tolist()))
+        modes = " ".join(map(str, moment.modes.tolist()))
+        command = _numbers(moment.command.tolist())
+        yield f"{-moment.before_s:7.2f}s  {command:34}{parts}  {member:9}  {modes}"
+        for number, prediction in enumerate(moment.predictions.tolist()):
+            chosen = "*" if number in moment.member else " "
+            yield f"{'':8}{chosen} {_numbers(prediction)}  member {number}"
+
+
+def run(arguments: Namespace) -> int:
+    """Print the moments, or draw them."""
+    if arguments.frames is not None and not arguments.frames.is_dir():
+        raise LogFileError(f"--frames {arguments.frames}: no such folder")
+    flight = open_flight(arguments)
+    failure = find_failure(flight, arguments.frames, arguments.seconds)
+    if failure is None:
+        print(json.dumps({"failure": None}) if arguments.json else "no gate was missed in this log")
+        return 0
+    if arguments.output is not None:
+        from flightstack.logs.strip_picture import draw_strip  # noqa: PLC0415
+
+        draw_strip(failure, arguments.output)
+        print(f"wrote {arguments.output}")
+    elif arguments.json:
+        at_s = round(flight.seconds(failure.event.time_us), 3)
+        moments = [_facts(moment) for moment in failure.moments]
+        failed = {"kind": failure.event.kind, "text": failure.event.text, "at_s": at_s}
+        print(json.dumps({"failure": failed, "moments": moments}))
+    else:
+        print("\n".join(_lines(flight, failure)))
+    return 0

@@ -1,0 +1,1 @@
+"""Write a log in the formats of other tools: CSV, Parquet, MCAP."""

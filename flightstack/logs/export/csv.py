@@ -1,0 +1,68 @@
+"""Write each message type as a CSV file: time, source, then its fields, arrays one column each."""
+
+from pathlib import Path
+
+import numpy as np
+
+from flightstack.logs import fast_text
+from flightstack.logs.log import Log
+from flightstack.logs.table import Table
+
+CHUNK = 20_000
+QUOTED = (",", '"', "\n", "\r")
+
+
+def header(table: Table) -> list[str]:
+    """Return the names of a table's CSV columns."""
+    names = ["time_s", "system", "component", "sequence"]
+    for field in table.fields:
+        elements = range(field.length)
+        names += [f"{field.name}[{i}]" for i in elements] if field.length else [field.name]
+    return names
+
+
+def _quoted(text: str) -> str:
+    if not any(mark in text for mark in QUOTED):
+        return text
+    return '"' + text.replace('"', '""') + '"'
+
+
+def _times(table: Table) -> fast_text.Bytes:
+    whole, rest = np.divmod(table.time_us, 1_000_000)
+    digits = [f"{part:06d}" for part in rest.tolist()]
+    parts: list[fast_text.Bytes | str] = [fast_text.from_numbers(whole), "."]
+    return fast_text.beside([*parts, fast_text.from_texts(digits)], len(table))
+
+
+def rows(table: Table) -> bytes:
+    """Return the rows of a table as CSV."""
+    numbers = (table.system, table.component, table.sequence)
+    columns = [_times(table), *map(fast_text.from_numbers, numbers)]
+    for field in table.fields:
+        column = table[field.name]
+        if field.is_text:
+            columns.append(fast_text.from_texts([_quoted(text) for text in column.tolist()]))
+        elif field.length:
+            columns += [fast_text.from_numbers(column[:, i]) for i in range(field.length)]
+        else:
+            columns.append(fast_text.from_numbers(column))
+    parts: list[fast_text.Bytes | str] = []
+    for column in columns:
+        parts += [column, ","]
+    text, _ = fast_text.lines_of(fast_text.beside([*parts[:-1], "\n"], len(table)))
+    return text
+
+
+def write_csv(log: Log, folder: Path) -> list[Path]:
+    """Write one file a message type into a folder and return their paths."""
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    for name in log.counts:
+        table = log[name]
+        path = folder / f"{name}.csv"
+        with path.open("wb") as file:
+            file.write((",".join(header(table)) + "\n").encode())
+            for start in range(0, len(table), CHUNK):
+                file.write(rows(table.take(slice(start, start + CHUNK))))
+        written.append(path)
+    return written

@@ -1,0 +1,1 @@
+"""The report: one HTML page with all of a flight, that opens offline in any browser."""

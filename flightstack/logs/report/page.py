@@ -1,0 +1,162 @@
+"""Put the report together: words, figures and tables on one page that needs nothing else."""
+
+import json
+import time
+from collections.abc import Iterator
+from functools import cache
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+
+from flightstack import __version__
+from flightstack.logs.checks import Finding, Level
+from flightstack.logs.commands.messages import message_facts
+from flightstack.logs.commands.summary_text import duration
+from flightstack.logs.errors import MissingLibraryError
+from flightstack.logs.flight import Flight
+from flightstack.logs.report import tables
+from flightstack.logs.report.course_figure import course_figure, has_course
+from flightstack.logs.report.plotting import Json
+from flightstack.logs.report.strip import strip_html
+from flightstack.logs.report.time_figure import time_figure
+from flightstack.logs.summary import Facts, summarise
+from flightstack.logs.why import Failure, find_failure
+
+PLOTLY_FILE = ("package_data", "plotly.min.js")
+
+
+@cache
+def plotly_script() -> str:
+    """Return plotly.js, which the Python package brings along."""
+    try:
+        script = files("plotly").joinpath(*PLOTLY_FILE).read_text(encoding="utf-8")
+    except (ModuleNotFoundError, FileNotFoundError) as error:
+        raise MissingLibraryError("the report needs plotly: pip install plotly") from error
+    return script.replace("</script", r"<\/script")
+
+
+def _part(name: str) -> str:
+    return files("flightstack.logs.report").joinpath(name).read_text(encoding="utf-8")
+
+
+def verdict(findings: list[Finding]) -> tuple[Level, str]:
+    """Return the worst level and its words for the top of the page."""
+    for level, word in ((Level.ERROR, "error"), (Level.WARNING, "warning")):
+        count = sum(finding.level is level for finding in findings)
+        if count:
+            return level, f"{count} {word}{'s' if count > 1 else ''}"
+    return Level.OK, "healthy"
+
+
+def story(facts: Facts) -> str:
+    """Return the flight in one or two sentences."""
+    if not facts["vehicle"]:
+        return f"No autopilot speaks in this log of {facts['messages']} messages."
+    if not facts["flights"]:
+        return f"The vehicle never flew; the log covers {duration(facts['duration_s'])}."
+    flown = f"Flew {facts['distance_m']:.0f} m in {duration(facts['flight_time_s'])}"
+    speed = facts["max_speed_m_s"]
+    parts = [flown + (f", at up to {speed:.1f} m/s." if speed is not None else ".")]
+    course = facts["course"]
+    if course:
+        end = f"; {course['text'][0].lower()}{course['text'][1:]}" if course["text"] else ""
+        parts.append(f"Passed {course['gates_passed']} gates{end}.")
+    if facts["failsafes"]:
+        parts.append(f"In failsafe {len(facts['failsafes'])} times.")
+    parts.append(f"At the end: {facts['ends']}.")
+    return " ".join(parts)
+
+
+def _tiles(facts: Facts) -> Iterator[tuple[str, str]]:
+    yield duration(facts["flight_time_s"]), "in the air"
+    if facts["distance_m"]:
+        yield f"{facts['distance_m']:.0f} m", "flown"
+    if facts["max_speed_m_s"] is not None:
+        yield f"{facts['max_speed_m_s']:.1f} m/s", "top speed"
+    if facts["course"]:
+        yield str(facts["course"]["gates_passed"]), "gates passed"
+    offboard = facts["offboard"]
+    if offboard:
+        yield f"{offboard['rate_hz']:.1f} Hz", "setpoints"
+        if offboard["frames"]:
+            share = offboard["frames_answered"] / offboard["frames"]
+            yield f"{share:.1%}", "frames answered"
+        late = offboard["frame_to_setpoint_ms"]["p95"]
+        if late is not None:
+            yield f"{late:.0f} ms", "frame to setpoint (95 %)"
+    if facts["links"]:
+        yield f"{max(link['loss_percent'] for link in facts['links']):.2f} %", "worst link loss"
+    battery = facts["battery"]
+    if battery:
+        yield f"{battery['end_v']:.1f} V", "battery at the end"
+
+
+def _section(title: str, body: str, hint: str = "") -> str:
+    note = f'<p class="hint">{escape(hint)}</p>' if hint else ""
+    return f"<section><h2>{escape(title)}</h2>{note}{body}</section>" if body else ""
+
+
+def _folded(title: str, body: str) -> str:
+    return f"<section><details><summary>{title}</summary>{body}</details></section>" if body else ""
+
+
+def _figure(name: str) -> str:
+    return f'<div class="figure" id="figure-{name}"></div>'
+
+
+def _sections(
+    flight: Flight, facts: Facts, findings: list[Finding], failure: Failure | None
+) -> str:
+    messages = sorted(message_facts(flight.log), key=lambda each: -each["count"])
+    hint = "Drag to zoom, double-click to see all again, hover for values."
+    parts = [
+        _section("Why did it miss?", strip_html(failure) if failure else ""),
+        _section("Course", _figure("course"), "From above and from the side. " + hint)
+        if has_course(flight)
+        else "",
+        _section("Over time", _figure("time"), "All rows share one axis. " + hint),
+        _section("Health checks", tables.checks_table(findings)),
+        _section("Status texts", tables.texts_table(flight) if flight.texts else ""),
+        _section("Link", tables.links_table(facts)),
+        _section("Parameters changed in flight", tables.changes_table(flight)),
+        _section("File damage", tables.damage_table(facts)),
+        _folded("Messages", tables.counts_table(messages)),
+    ]
+    return "\n".join(part for part in parts if part)
+
+
+def _embedded(figures: dict[str, Json]) -> str:
+    """Return the figures as JSON that no text in them can close the script element from."""
+    return json.dumps(figures).replace("<", r"\u003c")
+
+
+def make_page(flight: Flight, findings: list[Finding], frames: Path | None = None) -> str:
+    """Return the report of a flight as HTML."""
+    facts = summarise(flight, findings)
+    figures = {"course": course_figure(flight)} if has_course(flight) else {}
+    figures["time"] = time_figure(flight)
+    level, words = verdict(findings)
+    started = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(facts["start_unix_s"]))
+    kind = facts["vehicle"]["kind"] if facts["vehicle"] else "no autopilot"
+    about = f"{started}, {duration(facts['duration_s'])}, {kind}, {facts['messages']} messages"
+    failure = find_failure(flight, frames)
+    tiles = "".join(
+        f'<div class="tile"><b>{escape(value)}</b><span>{escape(name)}</span></div>'
+        for value, name in _tiles(facts)
+    )
+    return Template(_part("page.html")).substitute(
+        version=__version__,
+        title=escape(Path(facts["log"]).name),
+        style=_part("style.css"),
+        about=escape(about),
+        level=level.value,
+        verdict=escape(words),
+        story=escape(story(facts)),
+        tiles=tiles,
+        sections=_sections(flight, facts, findings, failure),
+        footer=f"Made by flightstack {__version__} from {escape(facts['log'])}.",
+        figures=_embedded(figures),
+        plotly=plotly_script(),
+        script=_part("script.js"),
+    )

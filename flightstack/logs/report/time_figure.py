@@ -1,0 +1,249 @@
+"""Draw everything over one time axis: modes, events, velocities, uncertainty, latency."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flightstack.logs.decisions import ALL_MEMBERS, LINEAR, UNITS, VELOCITIES
+from flightstack.logs.flight import Flight
+from flightstack.logs.report.plotting import (
+    INK,
+    PARTS,
+    RESPONSE,
+    SETPOINT,
+    Floats,
+    Json,
+    axis,
+    layout,
+    line,
+    mode_colour,
+)
+from flightstack.logs.setpoints import boot_offset_us, stamp_latency_ms
+
+ROW_PX = 132
+GAP_PX = 22
+MODES_PX = 70
+MEMBER_COLOURS = ("#1f6feb", "#2a9d8f", "#8e6bbf", "#e69f00")  # by velocity
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One plot of the figure: what stands beside it, and its traces."""
+
+    title: str
+    traces: list[Json]
+
+
+def _seconds(flight: Flight, times: NDArray[np.int64]) -> Floats:
+    return np.multiply(times - flight.start_us, 1e-6, dtype=np.float64)
+
+
+def _velocity_rows(flight: Flight) -> list[Row]:
+    tracking = flight.tracking
+    if not len(tracking):
+        return []
+    x = _seconds(flight, tracking.time_us)
+    rows = []
+    for index, (name, unit) in enumerate(zip(VELOCITIES, UNITS, strict=True)):
+        asked = line(
+            x, tracking.setpoint[:, index], "setpoint", SETPOINT, shape="hv", width=2,
+            legendgroup="setpoint", showlegend=index == 0,
+        )  # fmt: skip
+        done = line(
+            x, tracking.response[:, index], "response", RESPONSE,
+            legendgroup="response", showlegend=index == 0,
+        )  # fmt: skip
+        rows.append(Row(title=f"{name}, {unit}", traces=[asked, done]))
+    return rows
+
+
+def _uncertainty_row(flight: Flight) -> list[Row]:
+    decisions = flight.decisions
+    if not len(decisions):
+        return []
+    x = _seconds(flight, decisions.time_us)
+    traces = []
+    for name, colour in PARTS.items():
+        std = getattr(decisions, f"{name}_std")[:, LINEAR]
+        length = np.asarray(np.linalg.norm(std, axis=1), dtype=np.float64)
+        traces.append(line(x, length, name, colour))
+    return [Row(title="std, m/s", traces=traces)]
+
+
+def _choice_rows(flight: Flight) -> list[Row]:
+    decisions = flight.decisions
+    if not len(decisions):
+        return []
+    x = _seconds(flight, decisions.time_us)
+    chosen, modes = [], []
+    for index, (name, colour) in enumerate(zip(VELOCITIES, MEMBER_COLOURS, strict=True)):
+        style = {"shape": "hv", "legendgroup": name, "width": 1.3}
+        member = decisions.member[:, index].astype(np.float64)
+        if not (member == ALL_MEMBERS).all():
+            shown = {"showlegend": True, **style}
+            chosen.append(line(x, member, name, colour, **shown))
+        count = decisions.modes[:, index].astype(np.float64)
+        modes.append(line(x, count, name, colour, showlegend=not chosen, **style))
+    rows = [Row(title="member", traces=chosen)] if chosen else []
+    return [*rows, Row(title="modes", traces=modes)]
+
+
+def _latency_row(flight: Flight) -> list[Row]:
+    answers = flight.answers
+    if len(answers.latency_ms):
+        x = _seconds(flight, answers.time_us)
+        trace = line(x, answers.latency_ms, "frame to setpoint", "#8e6bbf")
+        return [Row(title="latency, ms", traces=[trace])]
+    if flight.vehicle is None or not len(flight.setpoints):
+        return []
+    offset_us = boot_offset_us(flight.log, flight.vehicle)
+    if offset_us is None:
+        return []
+    late = stamp_latency_ms(flight.setpoints, offset_us)
+    if not np.isfinite(late).any():
+        return []
+    trace = line(_seconds(flight, flight.setpoints.time_us), late, "stamp to setpoint", "#8e6bbf")
+    return [Row(title="latency, ms", traces=[trace])]
+
+
+def _motion_rows(flight: Flight) -> list[Row]:
+    motion = flight.motion
+    if not len(motion):
+        return []
+    x = _seconds(flight, motion.time_us)
+    height = line(x, -motion.position_ned[:, 2], "height", "#1c7c54")
+    speed = line(x, motion.horizontal_speed_m_s, "horizontal speed", "#33658a")
+    climb = line(x, -motion.velocity_ned[:, 2], "climb", "#c08497")
+    rows = [Row(title="height, m", traces=[height]), Row(title="m/s", traces=[speed, climb])]
+    return rows[:1] if len(flight.tracking) else rows
+
+
+def _attitude_row(flight: Flight) -> list[Row]:
+    table = flight.of_vehicle("ATTITUDE")
+    if not len(table):
+        return []
+    x = _seconds(flight, table.time_us)
+    colours = {"roll": "#1f6feb", "pitch": "#e69f00"}
+    traces = [
+        line(x, np.degrees(table[name].astype(np.float64)), name, colour)
+        for name, colour in colours.items()
+    ]
+    return [Row(title="tilt, deg", traces=traces)]
+
+
+def _battery_row(flight: Flight) -> list[Row]:
+    table = flight.of_vehicle("SYS_STATUS")
+    table = table.take((table["voltage_battery"] > 0) & (table["voltage_battery"] < 65535))
+    if len(table) < 2:
+        return []
+    x, volts = _seconds(flight, table.time_us), table["voltage_battery"] * 1e-3
+    return [Row(title="battery, V", traces=[line(x, volts, "battery", "#6d597a")])]
+
+
+ROWS: tuple[Callable[[Flight], list[Row]], ...] = (
+    _velocity_rows,
+    _uncertainty_row,
+    _choice_rows,
+    _latency_row,
+    _motion_rows,
+    _attitude_row,
+    _battery_row,
+)
+
+
+def _event_traces(flight: Flight) -> list[Json]:
+    """Return the marks of the first row: texts and what the referee said, to hover over."""
+    kinds = {
+        "critical": ("x", "#c1272d", range(4)),
+        "warning": ("triangle-up", "#e69f00", range(4, 5)),
+        "info": ("circle", "#6b7785", range(5, 8)),
+    }
+    traces = []
+    for name, (symbol, colour, severities) in kinds.items():
+        texts = [text for text in flight.texts if text.severity in severities]
+        if texts:
+            traces.append(
+                {
+                    "type": "scatter",
+                    "mode": "markers",
+                    "x": [round(flight.seconds(text.time_us), 3) for text in texts],
+                    "y": [0.5] * len(texts),
+                    "name": name,
+                    "showlegend": False,
+                    "marker": {"symbol": symbol, "size": 9, "color": colour},
+                    "hovertext": [f"{text.system}/{text.component} {text.text}" for text in texts],
+                    "hoverinfo": "text+x",
+                }
+            )
+    return traces or [{"type": "scatter", "x": [0], "y": [0.5], "opacity": 0, "showlegend": False}]
+
+
+def _mode_shapes(flight: Flight) -> tuple[list[Json], list[Json]]:
+    """Return coloured bands behind all rows, and the modes' names in the first."""
+    shapes, names = [], []
+    total_s = max(flight.seconds(flight.end_us), 1e-3)
+    for span in flight.modes:
+        x0, x1 = flight.seconds(span.start_us), flight.seconds(span.end_us)
+        band = {"type": "rect", "xref": "x", "x0": x0, "x1": x1, "line": {"width": 0}}
+        colour = mode_colour(span.label)
+        band["layer"] = "below"
+        shapes.append(
+            {**band, "yref": "paper", "y0": 0, "y1": 1, "fillcolor": colour, "opacity": 0.07}
+        )
+        shapes.append({**band, "yref": "y", "y0": 0, "y1": 1, "fillcolor": colour, "opacity": 0.35})
+        if (x1 - x0) / total_s > 0.06:
+            names.append(
+                {
+                    "x": (x0 + x1) / 2, "xref": "x", "y": 0.9, "yref": "y", "yanchor": "top",
+                    "text": span.label, "showarrow": False, "font": {"size": 11, "color": INK},
+                }
+            )  # fmt: skip
+    return shapes, names
+
+
+def _event_lines(flight: Flight) -> list[Json]:
+    colours = {"passed": "#2a9d8f", "missed": "#c1272d", "collision": "#c1272d"}
+    return [
+        {
+            "type": "line", "xref": "x", "yref": "paper", "y0": 0, "y1": 1,
+            "x0": flight.seconds(event.time_us), "x1": flight.seconds(event.time_us),
+            "line": {"color": colours[event.kind], "width": 1, "dash": "dot"},
+        }
+        for event in flight.course_events
+        if event.kind in colours
+    ]  # fmt: skip
+
+
+def time_figure(flight: Flight) -> Json:
+    """Return the figure: one row above the other, zoomed together."""
+    rows = [row for make in ROWS for row in make(flight)]
+    height = MODES_PX + len(rows) * (ROW_PX + GAP_PX)
+    total = height + 72
+    top = 1.0
+    shapes, names = _mode_shapes(flight)
+    axes: Json = {"yaxis": axis(title="modes", domain=[1 - MODES_PX / height, 1], range=[0, 1])}
+    axes["yaxis"].update(showticklabels=False, showgrid=False, zeroline=False, fixedrange=True)
+    top -= MODES_PX / height
+    traces = [{**trace, "yaxis": "y"} for trace in _event_traces(flight)]
+    for index, row in enumerate(rows, start=2):
+        low = top - (ROW_PX + GAP_PX) / height
+        axes[f"yaxis{index}"] = axis(title=row.title, domain=[max(low, 0), top - GAP_PX / height])
+        traces += [{**trace, "yaxis": f"y{index}"} for trace in row.traces]
+        top = low
+    last = f"y{len(rows) + 1}" if rows else "y"
+    axes["xaxis"] = axis(title="seconds since the start of the log", anchor=last)
+    whole = [0, flight.seconds(flight.end_us)]
+    axes["xaxis"].update(range=whole, showspikes=True, spikemode="across", spikethickness=1)
+    return {
+        "data": [{**trace, "xaxis": "x"} for trace in traces],
+        "layout": layout(
+            total,
+            shapes=shapes + _event_lines(flight),
+            annotations=names,
+            hovermode="x",
+            hoverdistance=30,
+            **axes,
+        ),
+    }
