@@ -127,8 +127,8 @@ class Link:
         self._protocol.srcSystem = self.system_id
         frame = bytes(message.pack(self._protocol))
         self._protocol.seq = (self._protocol.seq + 1) % 256
-        self.tlog.append(self.clock.elapsed_us, frame)
-        self._transport.send(frame, self.vehicle.address if self.vehicle else None)
+        if self._transport.send(frame, self.vehicle.address if self.vehicle else None):
+            self.tlog.append(self.clock.elapsed_us, frame)
 
     def close(self) -> None:
         """Write the log out and let go of the transport."""

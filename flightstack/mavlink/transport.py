@@ -4,6 +4,7 @@ A transport that breaks in flight does not raise: what cannot be sent is lost, a
 the link's silence tells. Opening one raises LinkError with the reason.
 """
 
+import contextlib
 import errno
 import os
 import socket
@@ -33,8 +34,8 @@ class Transport(Protocol):
     def receive(self) -> list[Received]:
         """Return all that has arrived."""
 
-    def send(self, frame: bytes, address: Address | None) -> None:
-        """Send one frame; `address` matters to a transport that listens."""
+    def send(self, frame: bytes, address: Address | None) -> bool:
+        """Send one frame, to `address` where we listen; False where there is nobody yet."""
 
     def close(self) -> None:
         """Let go of the socket or device."""
@@ -91,15 +92,14 @@ class UdpTransport:
                 return received
             received.append((split_frames(datagram)[0], address))
 
-    def send(self, frame: bytes, address: Address | None) -> None:
+    def send(self, frame: bytes, address: Address | None) -> bool:
         """Send one frame to the vehicle that has been heard, or to the one that was named."""
         target = address or self._peer
         if target is None:
-            return
-        try:
+            return False
+        with contextlib.suppress(OSError):  # lost, as datagrams are
             self._socket.sendto(frame, target)
-        except OSError:  # lost, as datagrams are
-            return
+        return True
 
     def close(self) -> None:
         """Let go of the port."""
@@ -141,18 +141,19 @@ class StreamTransport:
         self.closed = self.closed or not data
         return [(self._splitter.split(data), None)]
 
-    def send(self, frame: bytes, address: Address | None) -> None:  # noqa: ARG002  (protocol)
+    def send(self, frame: bytes, address: Address | None) -> bool:  # noqa: ARG002  (protocol)
         """Send one frame; drop it where the other end has not taken the earlier ones."""
         if len(self._unsent) < UNSENT_BYTES:
             self._unsent += frame
         try:
             written = os.write(self._owner.fileno(), self._unsent)
         except BlockingIOError:
-            return
+            return True
         except OSError:
             self.closed = True
-            return
+            return False
         self._unsent = self._unsent[written:]
+        return True
 
     def close(self) -> None:
         """Let go of the socket or device."""

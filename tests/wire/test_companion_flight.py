@@ -247,10 +247,11 @@ def test_any_camera_will_do(tmp_path: Path) -> None:
 
 
 def test_no_vehicle_is_told(tmp_path: Path) -> None:
-    trial = Trial(tmp_path, Script(), timeout_s=0.2)
+    endpoint = parse_endpoint(f"udpin:127.0.0.1:{free_port()}")
+    plan = FlightPlan(endpoint=endpoint, log=tmp_path / "flight.tlog", timeout_s=0.2)
     with pytest.raises(LinkError, match=r"no vehicle heard on udpin:.* for 0\.2 s"):
-        fly(trial.plan, lambda: trial.pilot, Progress(verbosity=-1))
-    assert not trial.plan.log.exists()
+        fly(plan, ForwardPilot, Progress(verbosity=-1))
+    assert not plan.log.exists()
 
 
 def test_a_vehicle_without_camera_is_told(tmp_path: Path) -> None:

@@ -77,7 +77,7 @@ def test_the_same_flight_at_any_speed(instance: int, tmp_path: Path) -> None:
     for name, speed_factor in (("fast", 0), ("again", 0), ("slow", 8)):
         log = tmp_path / f"{name}.tlog"
         flown(instance, log, speed_factor)
-        tracks.append(dict((row[0], row) for row in positions(log)))
+        tracks.append({row[0]: row for row in positions(log)})
     common = set.intersection(*map(set, tracks))
     assert len(common) > 300
     for stamp_ms in common:

@@ -27,8 +27,9 @@ class MemoryTransport:
         waiting, self.waiting = self.waiting, []
         return waiting
 
-    def send(self, frame: bytes, address: Address | None) -> None:
+    def send(self, frame: bytes, address: Address | None) -> bool:
         self.sent.append((frame, address))
+        return True
 
     def close(self) -> None:
         self.closed = True
