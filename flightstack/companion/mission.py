@@ -66,7 +66,7 @@ def advance(state: MissionState, situation: Situation, now_us: int) -> Step:
 
 def _waiting(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
     if vehicle.course.over:  # by an earlier flight: this vehicle's referee has no more to say
-        return _end(state, Outcome.REFUSED, vehicle, now_us)
+        return _end(state, Outcome.COURSE_OVER, vehicle, now_us)
     waited_us = _in_phase_us(state, now_us)
     if vehicle.home_altitude_amsl_m is None and waited_us >= HOME_PERIOD_US:
         return _ask(state, Request.HOME_POSITION, now_us)

@@ -27,6 +27,7 @@ class Outcome(Enum):
     COLLISION = "collision"
     TIMEOUT = "timeout"
     TAKEN_OVER = "taken_over"
+    COURSE_OVER = "course_over"  # before it began
     REFUSED = "refused"
     INTERRUPTED = "interrupted"
     CAMERA_LOST = "camera_lost"

@@ -87,6 +87,4 @@ def _phase_line(state: MissionState, telemetry: Telemetry) -> str:
     if state.phase is Phase.TAKEN_OVER:
         return f"taken over: the vehicle is in {mode_name(telemetry.custom_mode)}, hands off"
     reason = f" ({state.outcome.value.replace('_', ' ')})" if state.outcome else ""
-    if telemetry.course.over and state.offboard_us is None:
-        reason = " (its course is over already: restart the vehicle)"
     return f"{state.phase.value}{reason}"

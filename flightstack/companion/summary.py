@@ -21,6 +21,7 @@ SENTENCES = {
     Outcome.COLLISION: "ended by a collision",
     Outcome.TIMEOUT: "ended by its time limit",
     Outcome.TAKEN_OVER: "taken over: the vehicle left offboard",
+    Outcome.COURSE_OVER: "not flown: the vehicle's course is over already, restart the vehicle",
     Outcome.REFUSED: "not done: the vehicle did not do as asked",
     Outcome.INTERRUPTED: "interrupted",
     Outcome.CAMERA_LOST: "camera lost",

@@ -105,7 +105,7 @@ def test_a_course_that_is_over_is_not_flown() -> None:
     mission = Mission()
     over = Course(gates_passed=8, gates_total=8, finished=True)
     assert mission.see(replace(READY, course=over), 2) is Phase.DONE
-    assert mission.state.outcome is Outcome.REFUSED
+    assert mission.state.outcome is Outcome.COURSE_OVER
 
 
 def test_arms_again_until_armed() -> None:

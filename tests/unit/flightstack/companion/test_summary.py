@@ -65,6 +65,7 @@ def test_every_outcome_has_words(outcome: Outcome) -> None:
         (Outcome.COLLISION, 1),
         (Outcome.TIMEOUT, 1),
         (Outcome.TAKEN_OVER, 1),
+        (Outcome.COURSE_OVER, 1),
         (Outcome.REFUSED, 1),
         (Outcome.LINK_LOST, 3),
         (Outcome.CAMERA_LOST, 3),
