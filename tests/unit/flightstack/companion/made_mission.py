@@ -1,0 +1,50 @@
+"""A mission and the vehicle that it sees, as a test wants them."""
+
+from dataclasses import replace
+from typing import Any
+
+from flightstack.companion.mission import advance
+from flightstack.companion.mission_state import MissionState, Phase, Request, Situation
+from flightstack.mavlink.px4 import Px4Mode
+from flightstack.mavlink.telemetry import Course, Landed, Telemetry
+
+S = 1_000_000
+NOW = 100 * S
+READY = Telemetry(
+    custom_mode=Px4Mode.LOITER,
+    armable=True,
+    landed=Landed.ON_GROUND,
+    home_altitude_amsl_m=489.4,
+    velocity_ned=(0.0, 0.0, 0.0),
+)
+AIRBORNE = replace(READY, armed=True, armable=False, landed=Landed.IN_AIR)
+OFFBOARD = replace(AIRBORNE, custom_mode=Px4Mode.OFFBOARD)
+COURSE = Course(gates_passed=2, gates_total=8)
+
+
+class Mission:
+    """A mission in some phase since NOW, and what it has asked for."""
+
+    def __init__(self, phase: Phase = Phase.WAITING, **state: Any) -> None:
+        entered = {"entered_us": NOW, "offboard_us": NOW if phase is Phase.FLYING else None}
+        self.state = MissionState(phase=phase, **(entered | state))
+        self.requests: list[Request] = []
+
+    def see(
+        self,
+        vehicle: Telemetry,
+        after_s: float = 0.0,
+        *,
+        stop: bool = False,
+        frame_age_s: float = 0,
+    ) -> Phase:
+        now_us = NOW + round(after_s * S)
+        beat_us = now_us if vehicle.heartbeat_us is None else vehicle.heartbeat_us
+        situation = Situation(
+            vehicle=replace(vehicle, heartbeat_us=beat_us),
+            frame_us=now_us - round(frame_age_s * S),
+            stop_requested=stop,
+        )
+        self.state, requests = advance(self.state, situation, now_us)
+        self.requests += requests
+        return self.state.phase
