@@ -88,9 +88,8 @@ def parse_airframe(name: str, text: str) -> Airframe:
     for part in (body, rotors, drag):
         part.refuse_leftovers()
     if airframe.hover_thrust >= 1.0:
-        raise UsageError(
-            f"airframe {name}: too weak to fly, hover takes {airframe.hover_thrust:.2f}"
-        )
+        excess = airframe.hover_thrust
+        raise UsageError(f"airframe {name}: too weak, hover takes {excess:.2f} of its thrust")
     return airframe
 
 
