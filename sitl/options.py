@@ -99,8 +99,12 @@ def _parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     world = parser.add_argument_group("world")
-    world.add_argument("--seed", type=_seed, default=0, metavar="N", help="of vehicle and day")
-    world.add_argument("--track-seed", type=_seed, default=0, metavar="N", help="of the track")
+    world.add_argument(
+        "--seed", type=_seed, default=0, metavar="N", help="of light, colours and sensors"
+    )
+    world.add_argument(
+        "--track-seed", type=_seed, default=0, metavar="N", help="of the gates' places"
+    )
     world.add_argument(
         "--noise",
         type=_noise,
@@ -108,8 +112,10 @@ def _parser() -> argparse.ArgumentParser:
         metavar="GRN,GHN",
         help="m, of the gates' radius and height (default 1.0,2.0)",
     )
-    world.add_argument("--direction", choices=("cw", "ccw"), default="cw", help="round the course")
-    world.add_argument("--laps", type=_laps, default=1, metavar="N", help="(default 1)")
+    world.add_argument("--direction", choices=("cw", "ccw"), default="cw", help="seen from above")
+    world.add_argument(
+        "--laps", type=_laps, default=1, metavar="N", help="rounds of the course (default 1)"
+    )
     world.add_argument(
         "--home", type=_home, metavar="LAT,LON,ALT", help="deg, deg, m AMSL of the spawn point"
     )
