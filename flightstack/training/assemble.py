@@ -35,6 +35,7 @@ def write_model(
     weights = {key: value for key, value in perception.weights.items() if key.startswith(flies)}
     weights |= {f"policies.{key}": value for key, value in policy.weights.items()}
     save_file(weights, folder / WEIGHTS_FILE)
+    (folder / WEIGHTS_FILE).chmod(0o644)  # safetensors keeps its files from other users
     config = ModelConfig(
         name=folder.name,
         recipe=recipe,

@@ -33,9 +33,10 @@ tags: [uav, navigation, uncertainty, imitation-learning, cm-vae]
 ---
 # {config.recipe}/{config.name}
 
-{ENCODERS[plan.encoder]}, and {POLICIES[plan.policy]}: from one 64 x 64 image to
-{samples} Gaussian prediction{"s" if samples > 1 else ""} of each velocity command. One of the
-models of Arnez et al. 2022, *Quantifying and Using System Uncertainty in UAV Navigation*.
+{ENCODERS[plan.encoder]}, and {POLICIES[plan.policy]}.
+From one 64 x 64 image to {samples} Gaussian prediction{"s" if samples > 1 else ""} of each velocity
+command. One of the models of Arnez et al. 2022, *Quantifying and Using System Uncertainty in UAV
+Navigation*.
 
 | | |
 |---|---|
@@ -54,13 +55,14 @@ validation data, not on other scenes.
 
 ## Training
 
-Preset `{trained["preset"]}`, encoder seed {trained["perception_seed"]}, policy seed
-{trained["policy_seed"]}, code {trained["commit"]}.
-
-| data | sha256 |
+| | |
 |---|---|
-| perception | `{trained["perception_data_sha256"]}` |
-| control | `{trained["policy_data_sha256"]}` |
+| preset | {trained["preset"]} |
+| encoder seed | {trained["perception_seed"]} |
+| policy seed | {trained["policy_seed"]} |
+| commit | `{trained["commit"]}` |
+| perception data, sha256 | `{trained["perception_data_sha256"]}` |
+| control data, sha256 | `{trained["policy_data_sha256"]}` |
 
 ## Perception, validation images
 

@@ -51,6 +51,7 @@ def _add_all(parser: argparse.ArgumentParser) -> None:
     _add_training(parser)
     parser.add_argument("--out", type=Path, default=Path("models"), help="model folders")
     parser.add_argument("--runs", type=Path, default=Path("runs"), help="checkpoints, pictures")
+    parser.add_argument("--only", nargs="+", default=[], metavar="MODEL", help="for example m0 m4")
 
 
 def _add_data(parser: argparse.ArgumentParser) -> None:

@@ -34,6 +34,7 @@ def _all(options: argparse.Namespace) -> None:
             data=options.data,
             runs=options.runs,
             models=options.out,
+            only=tuple(options.only),
         )
     )
 

@@ -8,7 +8,7 @@ from joblib import Parallel, delayed
 
 from flightstack.errors import UsageError
 from flightstack.training.assemble import write_model
-from flightstack.training.catalogue import read_catalogue
+from flightstack.training.catalogue import ModelPlan, read_catalogue
 from flightstack.training.data import generate_control, generate_perception
 from flightstack.training.dataset import Dataset, read_dataset
 from flightstack.training.perception import train_perception
@@ -31,10 +31,19 @@ class Plan:
     data: Path
     runs: Path
     models: Path
+    only: tuple[str, ...] = ()  # models to make; none means all
 
     def dataset(self, kind: str) -> Dataset:
         """Open the data of one kind, "perception" or "control"."""
         return read_dataset(self.data / self.recipe / kind)
+
+    def catalogue(self) -> dict[str, ModelPlan]:
+        """Say which models to make; raises UsageError for a name that is not in models.toml."""
+        known = read_catalogue()
+        for name in self.only:
+            if name not in known:
+                raise UsageError(f"unknown model {name!r}: choose from {', '.join(known)}")
+        return {name: known[name] for name in self.only or known}
 
     @property
     def run_folder(self) -> Path:
@@ -43,12 +52,12 @@ class Plan:
 
 
 def train_all(plan: Plan) -> None:
-    """Make the data, train every encoder and every policy, and write every model's folder.
+    """Make the data, train the encoders and policies, and write the models' folders.
 
     What is finished is kept, what was interrupted goes on. Raises UsageError and TrainingError.
     """
+    catalogue = plan.catalogue()
     make_data(plan)
-    catalogue = read_catalogue()
     encoders = sorted({model.encoder for model in catalogue.values()})
     stacks = sorted({(model.encoder, model.policy) for model in catalogue.values()})
     processes = Parallel(n_jobs=PROCESSES if plan.device == "cpu" else 1)

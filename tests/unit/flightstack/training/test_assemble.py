@@ -76,8 +76,8 @@ def test_card_tells_seed_data_and_figures(folder: Path) -> None:
     card = (folder / "README.md").read_text()
     assert card.startswith("---\nlicense: bsd-3-clause\n")
     assert "# test/m0" in card
-    assert "encoder seed 0, policy seed\n0" in card
-    assert "| control | `synthetic` |" in card
+    assert "| encoder seed | 0 |" in card
+    assert "| control data, sha256 | `synthetic` |" in card
     assert "| yaw_rate |" in card
 
 

@@ -32,3 +32,11 @@ def test_unknown_recipe_is_one_line_and_exit_code_2(
 ) -> None:
     assert main(["all", "--recipe", "cake", "--data", str(tmp_path)]) == 2
     assert "known are: paper, strong" in capsys.readouterr().err
+
+
+def test_unknown_model_is_one_line_before_any_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["all", "--only", "m7", "--data", str(tmp_path / "data")]) == 2
+    assert "unknown model 'm7': choose from m0, m1, m2, m3, m4" in capsys.readouterr().err
+    assert not (tmp_path / "data").exists()
