@@ -16,7 +16,11 @@ from scripts.bench.stopwatch import Stopwatch
 
 def time_vehicle(stopwatch: Stopwatch) -> None:
     """Name the vehicle's parts."""
-    from sitl import camera_stream  # noqa: PLC0415 - only this role loads it
+    from sitl.quiet import quiet_outputs  # noqa: PLC0415 - only this role loads it
+
+    with quiet_outputs():
+        import pybullet  # noqa: F401, PLC0415 - it greets on standard output
+    from sitl import camera_stream  # noqa: PLC0415
     from sitl.autopilot.autopilot import Autopilot  # noqa: PLC0415
     from sitl.mavlink.endpoint import Endpoint  # noqa: PLC0415
     from sitl.sensors.camera import Camera  # noqa: PLC0415

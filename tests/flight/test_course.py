@@ -7,13 +7,16 @@ from typing import Any
 
 import pytest
 
+from scripts.fly_course import free_instance
 from tests.flight import tlogs
-from tests.flight.processes import ROOT, Ended, run
+from tests.flight.processes import ROOT, Ended, process, run, run_module
 
 pytestmark = pytest.mark.flight
 FLY = [sys.executable, str(ROOT / "scripts" / "fly_course.py"), "--json"]
 BODY_NED = 8
 VELOCITY_AND_YAW_RATE = 0x5C7  # ignore position, acceleration and yaw
+GROUND_STATION_PORT = 15550  # not 14550, where somebody may be listening; + instance
+FREE_SPEED_FACTOR = 2.0  # time does not wait for the companion here
 NOISY = ("--track-seed=7", "--noise=1.0,2.0")
 
 
@@ -104,3 +107,18 @@ def test_same_seeds_give_the_same_flight_to_the_last_bit(
     assert gates(again) == gates(noisy)
     assert again.result["duration_s"] == noisy.result["duration_s"]
     assert again.result["gates_passed"] == noisy.result["gates_passed"]
+
+
+def test_flies_without_lockstep_over_the_ground_stations_link(tmp_path: Path) -> None:
+    with free_instance() as instance:
+        port = GROUND_STATION_PORT + instance
+        links = (f"--instance={instance}", f"--gcs-link={18570 + instance}:{port}")
+        options = ("--noise=0,0", f"--speed-factor={FREE_SPEED_FACTOR}")
+        with process("sitl", *links, *options, log=tmp_path / "vehicle.txt"):
+            log = f"--log={tmp_path / 'flight.tlog'}"
+            flown = run_module(
+                *("flightstack.companion", f"--udp={port}", "--json", log), timeout_s=120.0
+            )
+    assert flown.code == 0, flown.stderr
+    assert flown.result["gates_passed"] == 8
+    assert flown.result["setpoints"] >= 0.98 * flown.result["frames"]
