@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from sitl.autopilot.cascade import Cascade, tilt_tan
-from sitl.autopilot.checks import Health, can_arm
+from sitl.autopilot.checks import Health
 from sitl.autopilot.commander import INFO, Commander
 from sitl.autopilot.commands import Commands
 from sitl.autopilot.land_detector import LandDetector
@@ -12,6 +12,7 @@ from sitl.autopilot.navigator import Goal, Navigator
 from sitl.autopilot.offboard import OffboardStream
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.position_control import Limits
+from sitl.autopilot.report import report_setpoint, report_status
 from sitl.autopilot.setpoint import Setpoint
 from sitl.autopilot.takeoff import Stage, Takeoff
 from sitl.frames import yaw_of
@@ -40,8 +41,6 @@ NOTHING = Estimate(
 IDLE_THRUST = 0.001  # what PX4 shows on the ground
 RAMP_THRUST = 0.001  # least thrust before flight: the ramp begins with none
 CLEAR_M = 1.0  # above this the hover thrust is learnt, as PX4 does
-DISARMED_US, IDLE_US, FULL_US = 900, 1000, 2000  # pulse widths of SERVO_OUTPUT_RAW
-ON_GROUND, IN_AIR, TAKING_OFF, LANDING = 1, 2, 3, 4  # MAV_LANDED_STATE
 
 
 class Autopilot:
@@ -139,44 +138,18 @@ class Autopilot:
     @property
     def status(self) -> VehicleStatus:
         """What the autopilot says about itself."""
-        commander, estimate = self._commander, self._estimate
-        return VehicleStatus(
-            time_us=estimate.time_us,
-            mode=commander.mode,
-            intended_mode=commander.intended,
-            custom_mode=commander.mode.custom_mode,
-            base_mode=commander.base_mode,
-            system_status=commander.system_status,
-            armed=commander.armed,
-            armable=can_arm(commander.intended, commander.health),
-            failsafe=commander.failsafe,
-            landed_state=self._landed_state(),
+        return report_status(
+            self._commander,
+            self._cascade,
+            self._estimate,
             home=self._home,
-            home_ned=self._home_ned or ORIGIN,
-            home_valid=self._home_ned is not None,
-            attitude_valid=estimate.attitude_valid,
-            position_valid=estimate.position_valid,
-            altitude_valid=estimate.altitude_valid,
-            throttle=self._cascade.asked.thrust,
-            actuator_outputs=self._outputs(),
+            home_ned=self._home_ned,
         )
 
     @property
     def setpoint_echo(self) -> SetpointEcho:
         """What the controllers follow now."""
-        cascade = self._cascade
-        asked = cascade.asked
-        return SetpointEcho(
-            time_us=self._estimate.time_us,
-            position_ned=cascade.setpoint.position_ned,
-            velocity_ned=asked.velocity_ned,
-            acceleration_ned=asked.acceleration_ned,
-            yaw_rad=asked.yaw_rad,
-            yaw_rate_rad_s=asked.yaw_rate_rad_s,
-            q_ned_frd=asked.q_ned_frd,
-            rates_frd=cascade.rates_frd,
-            thrust=asked.thrust,
-        )
+        return report_setpoint(self._cascade, self._estimate.time_us)
 
     def _fly(self, estimate: Estimate, *, landed: bool) -> MotorThrusts:
         """Fly the mode, or stand on the ground with the rotors turning."""
@@ -263,19 +236,6 @@ class Autopilot:
 
     def _is_clear_of_ground(self, estimate: Estimate) -> bool:
         return (self._home_ned or ORIGIN)[2] - estimate.position_ned[2] > CLEAR_M
-
-    def _landed_state(self) -> int:
-        if self._commander.landed:
-            return ON_GROUND
-        mode = self._commander.mode
-        return {Mode.TAKEOFF: TAKING_OFF, Mode.LAND: LANDING}.get(mode, IN_AIR)
-
-    def _outputs(self) -> tuple[int, int, int, int]:
-        if not self._commander.armed:
-            return (DISARMED_US,) * 4
-        span = FULL_US - IDLE_US
-        a, b, c, d = (IDLE_US + round(span * motor) for motor in self._cascade.motors)
-        return (a, b, c, d)
 
     def _load(self) -> None:
         """Take changed parameters into every part."""
