@@ -28,9 +28,8 @@ class World:
         )
         self._add_ground()
         self._gates = frozenset(self._add_gate(gate, visible=gui) for gate in gates)
-        self.body = QuadrotorBody(
-            self._client, airframe, position_ned=(0.0, 0.0, 0.0), yaw_rad=0.0, visual=gui
-        )
+        standing_ned = (0.0, 0.0, -airframe.collision_box_m[2] / 2.0)
+        self.body = QuadrotorBody(self._client, airframe, position_ned=standing_ned, visual=gui)
 
     def close(self) -> None:
         """Free the physics client."""
