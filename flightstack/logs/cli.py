@@ -142,7 +142,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Run one command and return its exit code."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy then starts in half the time
     module = importlib.import_module(f"flightstack.logs.commands.{arguments.command}")
-    code: int = module.run(arguments)
+    numpy = importlib.import_module("numpy")
+    with numpy.errstate(all="ignore"):  # logs hold NaN and worse
+        code: int = module.run(arguments)
     return code
 
 

@@ -84,6 +84,8 @@ def jumps(times: Times) -> list[ClockJump]:
     steps = times[1:].astype(np.float64) - times[:-1].astype(np.float64)
     places = np.flatnonzero((steps < -JUMP_BACK_US) | (steps > JUMP_AHEAD_US))
     return [
-        ClockJump(row=row + 1, time_us=int(times[row]), jump_us=int(times[row + 1] - times[row]))
+        ClockJump(
+            row=row + 1, time_us=int(times[row]), jump_us=int(times[row + 1]) - int(times[row])
+        )
         for row in places.tolist()
     ]

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Bytes = NDArray[np.uint8]  # (n, width) text, padded with NUL
-SMALLEST_PLAIN = 1e-4  # below and above these, exponents are written, each in its own way
-LARGEST_PLAIN = 1e15
+SHORT_EXPONENTS = [(b"e-%d," % digit, b"e-%02d," % digit) for digit in range(6, 10)]
+DIFFERENT = (1e-5, 1e-4)  # between these orjson writes no exponent, but `str` does
 
 
 def _joined_by_repr(values: NDArray[np.generic]) -> bytes:
@@ -27,7 +27,11 @@ def _find_joiner() -> Callable[[NDArray[np.generic]], bytes]:
         return _joined_by_repr
 
     def joined(values: NDArray[np.generic]) -> bytes:
-        return orjson.dumps(values, option=orjson.OPT_SERIALIZE_NUMPY)[1:-1]
+        text = orjson.dumps(values, option=orjson.OPT_SERIALIZE_NUMPY)[1:-1] + b","
+        if values.dtype.kind == "f" and b"e-" in text:
+            for short, as_str_writes in SHORT_EXPONENTS:
+                text = text.replace(short, as_str_writes)
+        return text[:-1]
 
     return joined
 
@@ -65,17 +69,42 @@ def from_numbers(column: NDArray[np.generic]) -> Bytes:
     if column.dtype.kind != "f":
         wide = column.astype(np.uint64 if column.dtype.kind == "u" else np.int64)
         return _split(_joined(wide))
-    values = column.astype(np.float64)
+    with np.errstate(invalid="ignore"):  # signalling NaNs of damaged floats
+        values = column.astype(np.float64)
+    finite = np.isfinite(values)
+    matrix = _split(_joined(values if finite.all() else np.where(finite, values, 0.0)))
     size = np.abs(values)
-    plain = ((size >= SMALLEST_PLAIN) & (size < LARGEST_PLAIN)) | (size == 0)
-    matrix = _split(_joined(np.where(plain, values, 0.0)))
-    special = np.flatnonzero(~plain)
+    small = np.flatnonzero((size >= DIFFERENT[0]) & (size < DIFFERENT[1]))
+    if len(small):
+        matrix = _with_rows(matrix, small, _with_exponent(matrix[small]))
+    special = np.flatnonzero(~finite)
     if len(special):
-        written = from_texts([repr(value) for value in values[special].tolist()])
-        width = max(matrix.shape[1], written.shape[1])
-        matrix = np.pad(matrix, ((0, 0), (0, width - matrix.shape[1])))
-        matrix[special] = np.pad(written, ((0, 0), (0, width - written.shape[1])))
+        words = from_texts(["nan", "inf", "-inf"])
+        which = np.where(np.isnan(values[special]), 0, np.where(values[special] > 0, 1, 2))
+        matrix = _with_rows(matrix, special, words[which])
     return matrix
+
+
+def _with_rows(matrix: Bytes, rows: NDArray[np.intp], new: Bytes) -> Bytes:
+    """Return the matrix with other rows in some places, wider if they need it."""
+    if new.shape[1] > matrix.shape[1]:
+        matrix = np.pad(matrix, ((0, 0), (0, new.shape[1] - matrix.shape[1])))
+    matrix[rows] = 0
+    matrix[rows, : new.shape[1]] = new
+    return matrix
+
+
+def _with_exponent(matrix: Bytes) -> Bytes:
+    """Return 0.0000123 as 1.23e-05; rows that `repr` made already so stay as they are."""
+    negative = matrix[:, 0] == ord("-")
+    plain = np.where(negative[:, None], np.roll(matrix, -1, axis=1), matrix)
+    if (plain[:, 1] != ord(".")).any() or (plain[:, 2] != ord("0")).any():
+        return matrix
+    sign = np.where(negative, ord("-"), 0).astype(np.uint8)[:, None]
+    digits = plain[:, len("0.0000") :].copy()
+    digits[negative, -1] = 0  # where the sign was rolled to
+    point = np.where(digits[:, 1] != 0, ord("."), 0).astype(np.uint8)[:, None]
+    return beside([sign, digits[:, :1], point, digits[:, 1:], "e-05"], len(matrix))
 
 
 def _split(joined: bytes) -> Bytes:

@@ -103,9 +103,10 @@ class GrowingFile:
     def __init__(self, path: Path, *, from_start: bool) -> None:
         self._path = path
         try:
-            self._position = 0 if from_start else path.stat().st_size
+            size = path.stat().st_size
         except OSError as error:
             raise LogFileError(f"{path} cannot be followed: {error.strerror}") from error
+        self._position = 0 if from_start else size
 
     def __call__(self) -> bytes:
         """Return the bytes that came since the last call."""

@@ -81,7 +81,7 @@ def estimate_jump(flight: Flight) -> Verdict:
     step_s = np.diff(motion.time_us[flown]) * 1e-6
     mean_velocity = (motion.velocity_ned[flown][1:] + motion.velocity_ned[flown][:-1]) / 2
     moved = np.diff(motion.position_ned[flown], axis=0)
-    soon = (step_s > 0) & (step_s < 0.5)
+    soon = (step_s >= 0) & (step_s < 0.5)
     unexplained = np.linalg.norm(moved - mean_velocity * step_s[:, None], axis=1)[soon]
     jumped = np.linalg.norm(np.diff(motion.velocity_ned[flown], axis=0), axis=1)[soon]
     count = int(np.count_nonzero((unexplained > JUMP_M) | (jumped > JUMP_M_S)))

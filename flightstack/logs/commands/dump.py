@@ -1,5 +1,6 @@
 """Command: every message as text, JSON or CSV, as mavlogdump prints them."""
 
+import struct
 import sys
 from argparse import Namespace
 from pathlib import Path
@@ -71,12 +72,11 @@ def chosen(log: Log, arguments: Namespace) -> Log:
 def write_tlog(log: Log, path: Path) -> None:
     """Write the log's frames to a new tlog, each with its time."""
     times = np.where(log.frames.time_us == NO_TIME, log.time_us, log.frames.time_us)
-    stamps = times.astype(">i8")
+    rows = (times.view(np.uint64).tolist(), log.frames.offset.tolist(), log.frames.end.tolist())
     try:
         with path.open("wb") as file:
-            pairs = zip(log.frames.offset.tolist(), log.frames.end.tolist(), strict=True)
-            for stamp, (start, end) in zip(stamps, pairs, strict=True):
-                file.write(stamp.tobytes() + log.source.read(start, end).tobytes())
+            for stamp, start, end in zip(*rows, strict=True):
+                file.write(struct.pack(">Q", stamp) + log.source.read(start, end).tobytes())
     except OSError as error:
         raise LogFileError(f"{path} cannot be written: {error.strerror}") from error
 

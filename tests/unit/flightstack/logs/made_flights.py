@@ -186,6 +186,8 @@ def make_flight(flight_s: float = 20.0, *, misses: bool = True, skip: int = 0) -
                 _say(log, REFEREE, b"Passed gate %d of 32" % passed)
         elif armed:
             body.follow(climbing, TICK_US * 1e-6)
+        else:
+            body.velocity = [0.0] * 4
         _telemetry(log, body, (BOOT_US + log.now_us) // 1000)
         if tick == int(TAKE_OFF_S * 50):
             _say(log, VEHICLE, b"Armed by external command\t")
