@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from sitl.sensors.look import TEXTURE_SIZE, Look, make_texture
+from sitl.sensors.look import TEXTURE_SIZE, Colour, Look, make_texture
 
 CLOUD_HEIGHT_M = 60.0
 CLOUD_TILE_M = 300.0
@@ -47,15 +47,19 @@ class Background:
         row = ((cos_turn * east - sin_turn * north) * scale).astype(np.int32) % TEXTURE_SIZE
         texture = _texture(look.ground_texture)[row, column][:, None]
 
-        dark, light = np.float32(look.ground_dark), np.float32(look.ground_light)
-        horizon, zenith = np.float32(look.sky_horizon), np.float32(look.sky_zenith)
+        dark, light = _colour(look.ground_dark), _colour(look.ground_light)
+        horizon, zenith = _colour(look.sky_horizon), _colour(look.sky_zenith)
         ground = dark + (light - dark) * texture
         up = np.clip(-slope, 0.0, 1.0)[:, None]
         sky = horizon + (zenith - horizon) * np.sqrt(up)
         sky += np.float32(look.cloudiness) * (texture - np.float32(0.5)) * np.minimum(up * 4.0, 1.0)
         clear = np.exp(-reach * self._norms / np.float32(look.haze_m))[:, None]
         colours = np.where(is_ground[:, None], horizon + (ground - horizon) * clear, sky)
-        return np.clip(colours, 0.0, 1.0) * np.float32(255.0)
+        return np.asarray(np.clip(colours, 0.0, 1.0) * np.float32(255.0))
+
+
+def _colour(colour: Colour) -> NDArray[np.float32]:
+    return np.array(colour, dtype=np.float32)
 
 
 @cache

@@ -69,7 +69,9 @@ class Camera:
             rotate(q_ned_frd, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
         ]
         rotation = np.array(axes, dtype=np.float32).T
-        colours = self._background.draw(rotation, np.float32(position_ned), self.look)
+        colours = self._background.draw(
+            rotation, np.array(position_ned, dtype=np.float32), self.look
+        )
         gates, coverage = self._draw_gates(position_ned, axes[0], axes[2])
         image = colours.reshape(SIZE_PX, SIZE_PX, 3)
         image *= 1.0 - coverage.astype(np.float32) * np.float32(1.0 / 255.0)

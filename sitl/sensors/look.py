@@ -79,7 +79,7 @@ def make_texture(index: int) -> NDArray[np.float32]:
     frequency[0, 0] = np.inf
     noise = np.fft.irfft2(spectrum / frequency**1.3, s=(TEXTURE_SIZE, TEXTURE_SIZE))
     low, high = np.quantile(noise, [0.01, 0.99])
-    return np.clip((noise - low) / (high - low), 0.0, 1.0).astype(np.float32)
+    return np.asarray(np.clip((noise - low) / (high - low), 0.0, 1.0), dtype=np.float32)
 
 
 def _colour(values: NDArray[np.float64]) -> Colour:
