@@ -34,7 +34,9 @@ class ActionSamples:
         for field in fields(self):
             array = getattr(self, field.name)
             if array.ndim != 3 or array.shape[2] != len(VELOCITIES) or 0 in array.shape:
-                raise ValueError(f"ActionSamples.{field.name}: expected (N, M, 4), got {array.shape}")
+                raise ValueError(
+                    f"ActionSamples.{field.name}: expected (N, M, 4), got {array.shape}"
+                )
             if not np.isfinite(array).all():
                 raise ValueError(f"ActionSamples.{field.name}: not finite")
         if self.mean.shape != self.var.shape:
@@ -52,3 +54,4 @@ class Decision:
     score: NDArray[np.float64]  # (N, 4) nats, MI score of each member
     member: NDArray[np.int64]  # (4,) chosen member, or ALL_MEMBERS
     modes: NDArray[np.int64]  # (4,) number of modes of what was decided on
+    member_mean: NDArray[np.float64]  # (N, 4) m/s, rad/s; each member's own prediction

@@ -187,5 +187,6 @@ def _is_finite(decision: Decision) -> bool:
         decision.epistemic_std,
         decision.perceptual_std,
         decision.score,
+        decision.member_mean,
     )
     return all(bool(np.isfinite(array).all()) for array in arrays)

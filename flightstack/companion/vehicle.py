@@ -19,14 +19,16 @@ TEXT_BYTES = 50  # of one STATUSTEXT
 class Vehicle:
     """The vehicle as the companion sees and addresses it; for one thread."""
 
-    def __init__(self, link: Link, takeoff_altitude_m: float) -> None:
+    def __init__(
+        self, link: Link, takeoff_altitude_m: float, *, publish_members: bool = False
+    ) -> None:
         self.link = link
         self.setpoints = 0  # sent so far
         self._takeoff_altitude_m = takeoff_altitude_m
         self._receiver = TelemetryReceiver(link.clock)
         self._commands = CommandSender(link)
         self._heartbeat = HeartbeatSender(link.send)
-        self._uncertainty = UncertaintyPublisher(link.send)
+        self._uncertainty = UncertaintyPublisher(link.send, with_members=publish_members)
         self._refusals: list[Refusal] = []
 
     @property

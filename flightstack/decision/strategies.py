@@ -60,6 +60,7 @@ class ComposedStrategy:
             score=choice.score,
             member=choice.member,
             modes=followed.modes.count,
+            member_mean=samples.mean.mean(axis=1),
         )
 
 

@@ -3,6 +3,7 @@
 DEBUG_FLOAT_ARRAY "decision" carries all of it, four floats each, in the order of VELOCITIES:
 aleatoric, epistemic and perceptual standard deviation, score, member, number of modes, command.
 NAMED_VALUE_FLOAT carries for plotting the length of each standard deviation over vx, vy, vz (m/s).
+On request DEBUG_FLOAT_ARRAY "members" carries what each policy member predicts, four floats each.
 """
 
 import math
@@ -14,24 +15,29 @@ from pymavlink.dialects.v20 import common
 
 from flightstack.mavlink.link import Message
 from flightstack.mavlink.offboard import TIME_WRAP_MS
-from flightstack.records import ALL_MEMBERS, Decision
+from flightstack.records import ALL_MEMBERS, VELOCITIES, Decision
 
-ARRAY_NAME = b"decision"
+DECISION_NAME, DECISION_ID = b"decision", 0
+MEMBERS_NAME, MEMBERS_ID = b"members", 1
 ARRAY_FLOATS = 58
+MOST_MEMBERS = ARRAY_FLOATS // len(VELOCITIES)  # more are left out
 NAMED_PERIOD_US = 200_000  # 5 Hz
 LINEAR = slice(0, 3)  # vx, vy, vz: one unit, so that a length means something
 
 
 class UncertaintyPublisher:
-    """Publish decisions through a link's `send`."""
+    """Publish decisions through a link's `send`, with each member's prediction where asked to."""
 
-    def __init__(self, send: Callable[[Message], None]) -> None:
+    def __init__(self, send: Callable[[Message], None], *, with_members: bool = False) -> None:
         self._send = send
+        self._with_members = with_members
         self._named_us: int | None = None
 
     def publish(self, decision: Decision, stamp_us: int) -> None:
         """Send a decision's uncertainties, and at 5 Hz the three lengths."""
-        self._send(_array(decision, stamp_us))
+        self._send(_decision_array(decision, stamp_us))
+        if self._with_members:
+            self._send(_members_array(decision, stamp_us))
         if self._named_us is not None and 0 <= stamp_us - self._named_us < NAMED_PERIOD_US:
             return
         self._named_us = stamp_us
@@ -56,8 +62,7 @@ def total_std_m_s(decision: Decision) -> float:
     return math.hypot(*map(linear_length, kinds))
 
 
-def _array(decision: Decision, stamp_us: int) -> Message:
-    data = np.zeros(ARRAY_FLOATS)
+def _decision_array(decision: Decision, stamp_us: int) -> Message:
     rows = (
         decision.aleatoric_std,
         decision.epistemic_std,
@@ -67,8 +72,18 @@ def _array(decision: Decision, stamp_us: int) -> Message:
         decision.modes,
         decision.command,
     )
-    data[: 4 * len(rows)] = np.concatenate(rows)
-    return common.MAVLink_debug_float_array_message(stamp_us, ARRAY_NAME, 0, data.tolist())
+    return _array(np.concatenate(rows), stamp_us, DECISION_NAME, DECISION_ID)
+
+
+def _members_array(decision: Decision, stamp_us: int) -> Message:
+    values = decision.member_mean[:MOST_MEMBERS].ravel()
+    return _array(values, stamp_us, MEMBERS_NAME, MEMBERS_ID)
+
+
+def _array(values: NDArray[np.float64], stamp_us: int, name: bytes, number: int) -> Message:
+    data = np.zeros(ARRAY_FLOATS)
+    data[: values.size] = values
+    return common.MAVLink_debug_float_array_message(stamp_us, name, number, data.tolist())
 
 
 def _score_of_choice(decision: Decision) -> NDArray[np.float64]:

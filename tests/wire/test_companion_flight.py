@@ -46,6 +46,7 @@ class ForwardPilot:
             score=np.zeros((5, 4)),
             member=np.full(4, ALL_MEMBERS),
             modes=np.ones(4, int),
+            member_mean=np.tile(self.command, (5, 1)),
         )
 
 

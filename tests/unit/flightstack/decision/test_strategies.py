@@ -39,6 +39,14 @@ def test_decision_reports_every_part_of_the_doubt() -> None:
     np.testing.assert_allclose(decision.score, gaussian_score(samples))
 
 
+@pytest.mark.parametrize("name", STRATEGIES)
+def test_decision_tells_what_each_member_predicts(name: str) -> None:
+    samples = make_samples()
+    decision = make_strategy(name).decide(samples)
+    expected = [[samples.mean[n, :, k].mean() for k in range(4)] for n in range(5)]
+    np.testing.assert_allclose(decision.member_mean, expected)
+
+
 def test_mi_mode_follows_the_member_of_least_score_per_velocity() -> None:
     samples = make_samples()
     decision = make_strategy("mi-mode").decide(samples)

@@ -10,7 +10,7 @@ from flightstack.mavlink.uncertainty import UncertaintyPublisher, total_std_m_s
 from flightstack.records import ALL_MEMBERS, Decision
 
 
-def decision(member: list[int]) -> Decision:
+def decision(member: list[int], members: int = 5) -> Decision:
     return Decision(
         command=np.array([24.0, 25.0, 26.0, 27.0]),
         aleatoric_std=np.array([0.0, 1.0, 2.0, 3.0]),
@@ -19,6 +19,7 @@ def decision(member: list[int]) -> Decision:
         score=np.arange(20.0).reshape(5, 4),
         member=np.array(member),
         modes=np.array([1, 2, 3, 4]),
+        member_mean=np.arange(100.0, 100.0 + 4 * members).reshape(members, 4),
     )
 
 
@@ -43,6 +44,23 @@ def test_rows_stand_in_the_documented_order() -> None:
 def test_pooled_members_have_their_mean_score() -> None:
     array = published(0, member=[ALL_MEMBERS, 0, ALL_MEMBERS, 0])[0]
     assert array.data[12:16] == [8.0, 1.0, 10.0, 3.0]
+
+
+@pytest.mark.parametrize(("members", "carried"), [(1, 1), (5, 5), (14, 14), (20, 14)])
+def test_each_members_prediction_goes_out_where_asked_for(members: int, carried: int) -> None:
+    sent: list[Any] = []
+    publisher = UncertaintyPublisher(sent.append, with_members=True)
+    publisher.publish(decision([0, 0, 0, 0], members), 52_000)
+    first, second = sent[:2]
+    assert (first.name, first.array_id) == ("decision", 0)
+    assert (second.name, second.array_id, second.time_usec) == ("members", 1, 52_000)
+    assert second.data[: 4 * carried] == [100.0 + k for k in range(4 * carried)]
+    assert second.data[4 * carried :] == [0.0] * (58 - 4 * carried)
+
+
+def test_members_stay_at_home_unless_asked_for() -> None:
+    sent = published(52_000, member=[0, 0, 0, 0])
+    assert [m.name for m in sent if m.get_type() == "DEBUG_FLOAT_ARRAY"] == ["decision"]
 
 
 def test_plots_get_lengths_at_5_hz() -> None:
