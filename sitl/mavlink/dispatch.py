@@ -57,6 +57,11 @@ class Dispatcher:
             mavlink.MAVLINK_MSG_ID_PING: time_server.answer_ping,
         }
         self._for_us = self._addressed_handlers()
+        self._for_referee: Mapping[int, Handler] = {
+            mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_LIST: servers.referee.answer_list,
+            mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_INT: servers.referee.answer_item,
+            mavlink.MAVLINK_MSG_ID_MISSION_REQUEST: servers.referee.answer_item,
+        }
 
     def handle(self, received: Received, link: Link) -> None:
         """Answer one message."""
@@ -69,6 +74,8 @@ class Dispatcher:
             self._for_anybody[message_id](message, self._request(received, link, AUTOPILOT))
         elif message_id in self._for_us and self._is_ours(message):
             self._for_us[message_id](message, self._request(received, link, AUTOPILOT))
+        elif message_id in self._for_referee and self._is_referees(message):
+            self._for_referee[message_id](message, self._request(received, link, REFEREE))
 
     def _addressed_handlers(self) -> Mapping[int, Handler]:
         parameters = self._servers.parameters
@@ -95,6 +102,10 @@ class Dispatcher:
     def _is_ours(self, message: Message) -> bool:
         component = getattr(message, "target_component", 0)
         return message.target_system == self._system and component in (0, AUTOPILOT)
+
+    def _is_referees(self, message: Message) -> bool:
+        target = (message.target_system, message.target_component)
+        return target == (self._system, REFEREE)
 
     def _on_heartbeat(self, message: Message, link: Link) -> None:
         if message.type != mavlink.MAV_TYPE_GCS:

@@ -2,16 +2,19 @@
 
 A passed gate is its MISSION_ITEM_REACHED (seq counts from 0), the score its MISSION_CURRENT (seq:
 gates passed; total; state ACTIVE, COMPLETE at the end of the course, PAUSED once it is failed),
-and every event a STATUSTEXT.
+and every event a STATUSTEXT. Where the gates stand can be downloaded as a mission of component 25.
 """
 
+import math
+
+from sitl.gate import INNER_M
 from sitl.mavlink.command_server import ACCEPTED, DENIED, UNSUPPORTED, acknowledge
 from sitl.mavlink.dialect import Message, mavlink
 from sitl.mavlink.health import component_heartbeat
 from sitl.mavlink.request import Request
 from sitl.mavlink.texts import statustexts
 from sitl.mavlink.vehicle import Vehicle
-from sitl.records import CourseEvent, CourseEventKind, CourseState, CourseStatus
+from sitl.records import CourseEvent, CourseEventKind, CourseState, CourseStatus, Gate
 
 WARNING, NOTICE, INFO = 4, 5, 6  # MAV_SEVERITY
 SEVERITIES = {
@@ -25,6 +28,9 @@ STATES = {
     CourseState.FINISHED: mavlink.MISSION_STATE_COMPLETE,
     CourseState.FAILED: mavlink.MISSION_STATE_PAUSED,
 }
+
+GATES_TYPE: int = mavlink.MAV_MISSION_TYPE_MISSION
+LOCAL_SCALE = 1e4  # MISSION_ITEM_INT.x and y of a local frame
 
 
 class RefereeComponent:
@@ -58,6 +64,24 @@ class RefereeComponent:
             request.outlet.send(self.score())
         acknowledge(request, message.command, ACCEPTED if known else DENIED)
 
+    def answer_list(self, message: Message, request: Request) -> None:
+        """Answer MISSION_REQUEST_LIST: the gates of one lap; other kinds of list are empty."""
+        gates = self._vehicle.course_gates if message.mission_type == GATES_TYPE else ()
+        request.outlet.send(
+            mavlink.MAVLink_mission_count_message(
+                request.system, request.component, len(gates), message.mission_type
+            )
+        )
+
+    def answer_item(self, message: Message, request: Request) -> None:
+        """Answer MISSION_REQUEST_INT or MISSION_REQUEST; silent where there is no such gate."""
+        gates, course = self._vehicle.course_gates, self._vehicle.course
+        if message.mission_type != GATES_TYPE or not message.seq < len(gates):
+            return
+        is_due = course.gates_passed % len(gates) == message.seq
+        is_next = is_due and course.state is CourseState.ACTIVE
+        request.outlet.send(encode_gate(gates[message.seq], message.seq, request, is_next=is_next))
+
     def _encode(self, event: CourseEvent) -> list[Message]:
         texts = statustexts(SEVERITIES[event.kind], event.text, self._texts)
         self._texts = (self._texts + 1) & 0xFFFF
@@ -70,4 +94,26 @@ def encode_score(course: CourseStatus) -> Message:
     """MISSION_CURRENT of the course."""
     return mavlink.MAVLink_mission_current_message(
         course.gates_passed, course.gates_total, STATES[course.state]
+    )
+
+
+def encode_gate(gate: Gate, number: int, request: Request, *, is_next: bool) -> Message:
+    """MISSION_ITEM_INT of a gate: centre in local NED, half opening, heading of its axis."""
+    north_m, east_m, down_m = gate.centre_ned
+    return mavlink.MAVLink_mission_item_int_message(
+        request.system,
+        request.component,
+        number,
+        mavlink.MAV_FRAME_LOCAL_NED,
+        mavlink.MAV_CMD_NAV_WAYPOINT,
+        int(is_next),
+        1,  # autocontinue
+        0.0,
+        INNER_M / 2.0,
+        0.0,
+        math.degrees(gate.yaw_rad),
+        round(north_m * LOCAL_SCALE),
+        round(east_m * LOCAL_SCALE),
+        down_m,
+        GATES_TYPE,
     )

@@ -5,8 +5,10 @@ the time are the link's number, where pymavlink looks for it. Times are the wall
 start plus vehicle time, so that rates read right at any speed.
 """
 
+import logging
 import struct
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 from sitl.errors import UsageError
@@ -15,9 +17,15 @@ TIME = struct.Struct(">Q")
 LINK_BITS = 0b11
 BUFFER_BYTES = 1 << 16
 
+_log = logging.getLogger(__name__)
+
 
 class TlogWriter:
-    """One file; `flush` is the caller's duty, at least once a second."""
+    """One file; `flush` is the caller's duty, at least once a second.
+
+    When the file cannot be written any more (a full disk), this is reported once, the file ends
+    with the last whole buffer, and the flight goes on unrecorded.
+    """
 
     def __init__(self, path: Path, *, unix_epoch_us: int, clock: Callable[[], int]) -> None:
         """Create the file; `clock` gives vehicle time in us.
@@ -27,21 +35,45 @@ class TlogWriter:
 
         """
         try:
-            self._file = path.open("wb", buffering=BUFFER_BYTES)
+            self._file = path.open("wb", buffering=0)
         except OSError as error:
             raise UsageError(f"--log {path}: {error.strerror}") from None
+        self._path = path
         self._unix_epoch_us = unix_epoch_us
+        self._buffer = bytearray()
+        self._written = 0  # bytes, all whole records
+        self._failed = False
         self.clock = clock
 
     def record(self, raw: bytes, *, link: int) -> None:
         """Append one frame, sent or received."""
+        if self._failed:
+            return
         time_us = (self._unix_epoch_us + self.clock()) & ~LINK_BITS | link & LINK_BITS
-        self._file.write(TIME.pack(time_us) + raw)
+        self._buffer += TIME.pack(time_us) + raw
+        if len(self._buffer) >= BUFFER_BYTES:
+            self.flush()
 
     def flush(self) -> None:
         """Hand what is buffered to the system."""
-        self._file.flush()
+        buffer, self._buffer = memoryview(self._buffer), bytearray()
+        if self._failed or not buffer:
+            return
+        try:
+            rest = buffer
+            while rest:
+                rest = rest[self._file.write(rest) :]
+            self._written += len(buffer)
+        except OSError as error:
+            self._give_up(error)
 
     def close(self) -> None:
         """Flush and close."""
+        self.flush()
         self._file.close()
+
+    def _give_up(self, error: OSError) -> None:
+        self._failed = True
+        _log.warning("log %s ends here: %s; the flight goes on", self._path, error.strerror)
+        with suppress(OSError):  # a pipe or a device has no end to cut
+            self._file.truncate(self._written)

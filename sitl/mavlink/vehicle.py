@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from sitl.records import CourseEvent, CourseStatus, Estimate, StatusText, VehicleState
+from sitl.records import CourseEvent, CourseStatus, Estimate, Gate, StatusText, VehicleState
 from sitl.vehicle_records import (
     Command,
     CommandResult,
@@ -85,6 +85,10 @@ class Vehicle(Protocol):
     @property
     def course(self) -> CourseStatus:
         """The score so far."""
+
+    @property
+    def course_gates(self) -> tuple[Gate, ...]:
+        """The gates of one lap, in order."""
 
     def drain_course_events(self) -> list[CourseEvent]:
         """Hand over what the referee saw since the last call."""

@@ -13,6 +13,7 @@ from sitl.records import (
     CourseState,
     CourseStatus,
     Estimate,
+    Gate,
     StatusText,
     Vector3,
     VehicleState,
@@ -132,6 +133,10 @@ class FakeVehicle:
         self.autopilot = FakeAutopilot()
         self.parameters = FakeParameters()
         self.course = CourseStatus(gates_passed=0, gates_total=8, state=CourseState.ACTIVE)
+        self.course_gates = tuple(
+            Gate(index=n, centre_ned=(4.7 - n, 1.00004 * n, -3.0 - n), yaw_rad=0.25 * n)
+            for n in range(8)
+        )
         self.events: list[CourseEvent] = []
 
     def drain_course_events(self) -> list[CourseEvent]:

@@ -113,3 +113,51 @@ def test_the_score_can_be_asked_for(message_id: int, results: list[int | None]) 
     assert [getattr(m, "result", None) for m in outlet.messages] == results
     RefereeComponent(FakeVehicle()).handle(command(400, 1), make_request(outlet))
     assert outlet.messages[-1].result == UNSUPPORTED
+
+
+def ask_referee(vehicle: FakeVehicle, message: Any) -> list[Any]:
+    outlet = FakeOutlet()
+    referee = RefereeComponent(vehicle)
+    is_list = message.get_type() == "MISSION_REQUEST_LIST"
+    (referee.answer_list if is_list else referee.answer_item)(message, make_request(outlet))
+    return outlet.messages
+
+
+@pytest.mark.parametrize(("mission_type", "count"), [(0, 8), (1, 0), (2, 0), (255, 0)])
+def test_the_gates_are_a_mission_of_the_referee(mission_type: int, count: int) -> None:
+    asked = mavlink.MAVLink_mission_request_list_message(1, 25, mission_type)
+    (answer,) = ask_referee(FakeVehicle(), asked)
+    assert (answer.get_type(), answer.count, answer.mission_type) == (
+        "MISSION_COUNT",
+        count,
+        mission_type,
+    )
+    assert (answer.target_system, answer.target_component) == (255, 190)
+
+
+@pytest.mark.parametrize("kind", ["mission_request_int", "mission_request"])
+def test_a_gate_is_an_item_in_the_local_frame(kind: str) -> None:
+    vehicle = FakeVehicle()
+    vehicle.course = CourseStatus(gates_passed=10, gates_total=16, state=CourseState.ACTIVE)
+    ask = getattr(mavlink, f"MAVLink_{kind}_message")
+    items = [ask_referee(vehicle, ask(1, 25, number))[0] for number in range(8)]
+    assert {item.get_type() for item in items} == {"MISSION_ITEM_INT"}
+    assert [item.current for item in items] == [0, 0, 1, 0, 0, 0, 0, 0]
+    item = items[2]
+    assert (item.seq, item.frame, item.command) == (2, mavlink.MAV_FRAME_LOCAL_NED, 16)
+    assert (item.x, item.y, item.z) == (27_000, 20_001, -5.0)
+    assert item.param2 == pytest.approx(0.6)
+    assert item.param4 == pytest.approx(28.6479, abs=1e-4)
+
+
+def test_after_the_course_no_gate_is_due() -> None:
+    vehicle = FakeVehicle()
+    vehicle.course = CourseStatus(gates_passed=8, gates_total=8, state=CourseState.FINISHED)
+    (item,) = ask_referee(vehicle, mavlink.MAVLink_mission_request_int_message(1, 25, 0))
+    assert item.current == 0
+
+
+@pytest.mark.parametrize(("number", "mission_type"), [(8, 0), (65535, 0), (0, 1)])
+def test_a_gate_that_is_not_there_is_silence(number: int, mission_type: int) -> None:
+    asked = mavlink.MAVLink_mission_request_int_message(1, 25, number, mission_type)
+    assert ask_referee(FakeVehicle(), asked) == []

@@ -1,3 +1,6 @@
+import resource
+import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -35,3 +38,42 @@ def test_a_path_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     path = tmp_path / "no" / "such" / "folder.tlog"
     with pytest.raises(UsageError, match=r"folder\.tlog"):
         TlogWriter(path, unix_epoch_us=0, clock=lambda: 0)
+
+
+@pytest.fixture
+def file_limit() -> Iterator[int]:
+    """A disk that is full after some bytes, as the kernel enforces it."""
+    limit = 100_000
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, before[1]))
+    yield limit
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    signal.signal(signal.SIGXFSZ, ignored)
+
+
+def test_a_full_disk_is_reported_once_and_leaves_whole_records(
+    tmp_path: Path, file_limit: int, caplog: pytest.LogCaptureFixture
+) -> None:
+    path = tmp_path / "flight.tlog"
+    writer = TlogWriter(path, unix_epoch_us=EPOCH_US, clock=lambda: 0)
+    raw = frame(pack(HEARTBEAT), sequence=0, system=1, component=1)
+    for _ in range(2 * file_limit // len(raw)):
+        writer.record(raw, link=0)
+    writer.flush()
+    writer.close()
+    assert [record.levelname for record in caplog.records] == ["WARNING"]
+    assert "flight.tlog" in caplog.text
+    size = path.stat().st_size
+    assert 0 < size < file_limit
+    assert size % (8 + len(raw)) == 0
+
+
+def test_a_device_that_takes_nothing_does_not_end_the_flight(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    writer = TlogWriter(Path("/dev/full"), unix_epoch_us=0, clock=lambda: 0)
+    writer.record(b"frame", link=1)
+    writer.flush()
+    writer.close()
+    assert "No space left on device" in caplog.text
