@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs import clock, damage
+from flightstack.logs.boot_clock import times_since_boot_us
 from flightstack.logs.damage import Damage, SourceLoss
 from flightstack.logs.dialect import (
     MessageType,
@@ -19,7 +20,7 @@ from flightstack.logs.dialect import (
     message_type,
 )
 from flightstack.logs.errors import LogFileError, UnknownNameError
-from flightstack.logs.frames import IS_UNKNOWN, Frames, join
+from flightstack.logs.frames import IS_UNKNOWN, NO_TIME, Frames, join
 from flightstack.logs.payloads import gather
 from flightstack.logs.scanner import scan
 from flightstack.logs.source import WINDOW_BYTES, MemorySource, Source, open_source
@@ -178,6 +179,8 @@ def from_frames(source: Source, frames: Frames) -> Log:
     """Return a log of frames that were found in `source`."""
     if (frames.flags & IS_UNKNOWN).any():
         frames = frames.take(~doubtful(frames))
+    if len(frames) and bool((frames.time_us == NO_TIME).all()):
+        return Log(source, frames, times_since_boot_us(source, frames))
     times, _ = clock.mend(frames.time_us)
     return Log(source, frames, times)
 

@@ -151,6 +151,13 @@ def test_a_stream_without_times_is_read_too() -> None:
     assert not log.damage.regions
 
 
+def test_a_stream_without_times_takes_them_from_its_messages() -> None:
+    whole = read_bytes(tlog(flight_messages(500)))
+    stream = read_bytes(b"".join(raw_frames(whole)))
+    steps = np.diff(stream["ATTITUDE"].time_us)
+    assert steps.tolist() == (np.diff(whole["ATTITUDE"].time_us)).tolist()
+
+
 def test_damaged_times_are_mended() -> None:
     times = [START_US + i * 5000 for i in range(RECORDS)]
     for index, wrong in ((700, 0), (701, 2**63 + 5), (1500, START_US * 2), (2999, 7)):
