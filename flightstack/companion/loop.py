@@ -167,6 +167,7 @@ class FlightLoop:
         self.state, requests = advance(self.state, situation, now_us)
         for request in requests:
             self._vehicle.request(request, now_us)
+        self._vehicle.download_course(now_us)
         if self.state.phase is not phase:
             self._vehicle.announce(announcement(self.state))
 

@@ -5,6 +5,7 @@ from pymavlink.dialects.v20 import common
 from flightstack.companion.mission_state import Request
 from flightstack.mavlink import commands
 from flightstack.mavlink.commands import Command, CommandSender, Refusal
+from flightstack.mavlink.course_download import CourseDownload
 from flightstack.mavlink.heartbeat import HeartbeatSender
 from flightstack.mavlink.link import Link
 from flightstack.mavlink.offboard import Velocities, velocity_setpoint
@@ -14,6 +15,10 @@ from flightstack.mavlink.uncertainty import UncertaintyPublisher
 from flightstack.records import Decision
 
 TEXT_BYTES = 50  # of one STATUSTEXT
+COURSE_ITEMS = (
+    common.MAVLINK_MSG_ID_MISSION_COUNT,
+    common.MAVLINK_MSG_ID_MISSION_ITEM_INT,
+)
 
 
 class Vehicle:
@@ -29,6 +34,7 @@ class Vehicle:
         self._commands = CommandSender(link)
         self._heartbeat = HeartbeatSender(link.send)
         self._uncertainty = UncertaintyPublisher(link.send, with_members=publish_members)
+        self._download = CourseDownload(link)
         self._refusals: list[Refusal] = []
 
     @property
@@ -44,7 +50,10 @@ class Vehicle:
     def receive(self) -> None:
         """Take in all that has arrived."""
         for message in self.link.drain():
-            if message.get_msgId() != common.MAVLINK_MSG_ID_COMMAND_ACK:
+            number = message.get_msgId()
+            if number in COURSE_ITEMS:
+                self._download.take(message)
+            elif number != common.MAVLINK_MSG_ID_COMMAND_ACK:
                 self._receiver.update(message)
             elif refusal := self._commands.acknowledge(message):
                 self._refusals.append(refusal)
@@ -70,6 +79,11 @@ class Vehicle:
         """Send what is due: our heartbeat, and commands that were not acknowledged."""
         self._heartbeat.send_if_due(now_us)
         self._refusals += self._commands.poll(now_us)
+
+    def download_course(self, now_us: int) -> None:
+        """Have the gates listed for the log, where there is a referee."""
+        if self.telemetry.course.known:
+            self._download.poll(now_us)
 
     def explain(self, decision: Decision, stamp_us: int) -> None:
         """Publish how sure a decision is."""

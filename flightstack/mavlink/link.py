@@ -51,7 +51,9 @@ WANTED = {
     ),
     REFEREE_COMPONENT: frozenset(
         {
+            common.MAVLINK_MSG_ID_MISSION_COUNT,
             common.MAVLINK_MSG_ID_MISSION_CURRENT,
+            common.MAVLINK_MSG_ID_MISSION_ITEM_INT,
             common.MAVLINK_MSG_ID_MISSION_ITEM_REACHED,
             common.MAVLINK_MSG_ID_STATUSTEXT,
         }

@@ -18,6 +18,7 @@ from flightstack.mavlink.px4 import Px4Mode
 FRAME_US = 50_000
 HOME_AMSL_M = 489.4
 GATE_US = 500_000  # a gate is passed this often while flying forward
+GATE_SPACING_M = 1.0
 CLIMB_US = 1_000_000
 DESCENT_US = 1_000_000
 ANSWER_S = 5.0
@@ -30,6 +31,7 @@ class Script:
     """What goes wrong, and when (frames in OFFBOARD)."""
 
     gates: int | None = 3  # None: no referee
+    lists_gates: bool = True
     armable: bool = True
     ignored_commands: set[int] = field(default_factory=set)  # the first of each kind gets lost
     missed_gate: bool = False
@@ -210,6 +212,17 @@ class FakeVehicle:
                 ),
                 message.target_component,
             )
+        elif self.script.gates is not None and self.script.lists_gates:
+            self._list_gates(message)
+
+    def _list_gates(self, message: Any) -> None:
+        to = (message.get_srcSystem(), message.get_srcComponent())
+        if message.get_type() == "MISSION_REQUEST_LIST":
+            self._send(common.MAVLink_mission_count_message(*to, self.script.gates or 0), 25)
+        elif message.get_type() == "MISSION_REQUEST_INT":
+            north = round(GATE_SPACING_M * 1e4) * (message.seq + 1)
+            fields = (message.seq, 1, 16, 0, 1, 0.0, 0.7, 0.0, 0.0, north, 0, -3.0)
+            self._send(common.MAVLink_mission_item_int_message(*to, *fields), 25)
 
     def _obey(self, message: Any) -> None:
         if message.command == common.MAV_CMD_COMPONENT_ARM_DISARM:

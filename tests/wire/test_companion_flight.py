@@ -4,76 +4,21 @@ import json
 import math
 import os
 import signal
-import socket
 import threading
-from collections.abc import Iterator
-from io import StringIO
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
 import pytest
-from pymavlink import mavutil
 from pymavlink.dialects.v20 import common
 
 from flightstack.companion.flight import FlightPlan, fly
 from flightstack.companion.mission_state import Outcome
 from flightstack.companion.progress import Progress
-from flightstack.companion.summary import Summary
 from flightstack.errors import LinkError
 from flightstack.mavlink.endpoint import parse_endpoint
-from flightstack.records import ALL_MEMBERS, Decision, Frame
-from tests.wire.fake_vehicle import HOME_AMSL_M, FakeVehicle, Script
-
-FORWARD_M_S = 2.0
-
-
-class ForwardPilot:
-    """Flies straight on, whatever it sees."""
-
-    def __init__(self, command: tuple[float, float, float, float] = (FORWARD_M_S, 0, 0, 0)) -> None:
-        self.command = np.array(command, float)
-        self.frames: list[Frame] = []
-
-    def decide(self, frame: Frame) -> Decision:
-        self.frames.append(frame)
-        return Decision(
-            command=self.command,
-            aleatoric_std=np.full(4, 0.3),
-            epistemic_std=np.full(4, 0.2),
-            perceptual_std=np.full(4, 0.1),
-            score=np.zeros((5, 4)),
-            member=np.full(4, ALL_MEMBERS),
-            modes=np.ones(4, int),
-            member_mean=np.tile(self.command, (5, 1)),
-        )
-
-
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
-
-
-class Trial:
-    """One flight of the companion with the fake vehicle, and what either side saw."""
-
-    def __init__(self, tmp_path: Path, script: Script, **plan: Any) -> None:
-        port = free_port()
-        self.pilot = ForwardPilot()
-        self.output = StringIO()
-        self.vehicle = FakeVehicle(port, script)
-        self.plan = FlightPlan(
-            endpoint=parse_endpoint(f"udpin:127.0.0.1:{port}"),
-            log=tmp_path / "flight.tlog",
-            **({"timeout_s": 10.0} | plan),
-        )
-
-    def fly(self) -> Summary:
-        with self.vehicle:
-            return fly(self.plan, lambda: self.pilot, Progress(verbosity=1, stream=self.output))
+from tests.wire.companion_trial import FORWARD_M_S, ForwardPilot, Trial, free_port, read_tlog
+from tests.wire.fake_vehicle import HOME_AMSL_M, Script
 
 
 def test_flies_the_course_lands_and_disarms(tmp_path: Path) -> None:
@@ -265,17 +210,6 @@ def test_an_autopilot_that_is_no_px4_is_told(tmp_path: Path) -> None:
         Trial(tmp_path, Script(autopilot=3)).fly()
 
 
-def test_the_log_holds_both_directions_in_vehicle_time(tmp_path: Path) -> None:
-    trial = Trial(tmp_path, Script())
-    summary = trial.fly()
-    records = list(read_tlog(trial.plan.log))
-    setpoints = [m for m in records if m.get_type() == "SET_POSITION_TARGET_LOCAL_NED"]
-    assert len(setpoints) == summary.setpoints
-    gaps = np.diff([m._timestamp for m in setpoints])
-    assert np.median(gaps) == pytest.approx(0.05, abs=1e-3)
-    assert {m.get_srcComponent() for m in records} == {1, 25, 100, 191}
-
-
 def test_a_signal_lands_first(tmp_path: Path) -> None:
     trial = Trial(tmp_path, Script(gates=None))
 
@@ -289,10 +223,3 @@ def test_a_signal_lands_first(tmp_path: Path) -> None:
     thread.join()
     assert (summary.outcome, summary.exit_code) == (Outcome.INTERRUPTED, 130)
     assert not trial.vehicle.armed
-
-
-def read_tlog(path: Path) -> Iterator[Any]:
-    log = mavutil.mavlink_connection(str(path), dialect="common")
-    while (message := log.recv_match()) is not None:
-        yield message
-    log.close()

@@ -15,10 +15,12 @@ from flightstack.companion.flight import FlightPlan, fly
 from flightstack.companion.mission_state import Outcome
 from flightstack.companion.progress import Progress
 from flightstack.companion.summary import Summary
+from flightstack.logs import read
+from flightstack.logs.course import find_gates
 from flightstack.mavlink.endpoint import parse_endpoint
 from flightstack.records import Decision, Frame
 from scripts.fly_course import API_PORT, free_instance
-from tests.wire.test_companion_flight import ForwardPilot, read_tlog
+from tests.wire.companion_trial import ForwardPilot, read_tlog
 
 pytestmark = pytest.mark.flight
 OFFBOARD = 0x00060000
@@ -70,6 +72,9 @@ def test_takes_off_flies_lands_and_disarms(instance: int, tmp_path: Path) -> Non
     assert any(beat.base_mode & mavutil.mavlink.MAV_MODE_FLAG_SAFETY_ARMED for beat in beats)
     assert not beats[-1].base_mode & mavutil.mavlink.MAV_MODE_FLAG_SAFETY_ARMED
     assert positions(log)[-1][3] == pytest.approx(0.0, abs=0.1)
+    gates = find_gates(read(log))
+    assert [gate.index for gate in gates] == list(range(8))
+    assert gates[0].centre_ned == pytest.approx((4.7, 0.0, -3.0), abs=1e-3)
 
 
 def test_the_same_flight_at_any_speed(instance: int, tmp_path: Path) -> None:

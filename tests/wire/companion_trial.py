@@ -1,0 +1,73 @@
+"""One flight of the companion, with a pilot that only flies straight on, and the small vehicle."""
+
+import socket
+from collections.abc import Iterator
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pymavlink import mavutil
+
+from flightstack.companion.flight import FlightPlan, fly
+from flightstack.companion.progress import Progress
+from flightstack.companion.summary import Summary
+from flightstack.mavlink.endpoint import parse_endpoint
+from flightstack.records import ALL_MEMBERS, Decision, Frame
+from tests.wire.fake_vehicle import FakeVehicle, Script
+
+FORWARD_M_S = 2.0
+
+
+class ForwardPilot:
+    """Flies straight on, whatever it sees."""
+
+    def __init__(self, command: tuple[float, float, float, float] = (FORWARD_M_S, 0, 0, 0)) -> None:
+        self.command = np.array(command, float)
+        self.frames: list[Frame] = []
+
+    def decide(self, frame: Frame) -> Decision:
+        self.frames.append(frame)
+        return Decision(
+            command=self.command,
+            aleatoric_std=np.full(4, 0.3),
+            epistemic_std=np.full(4, 0.2),
+            perceptual_std=np.full(4, 0.1),
+            score=np.zeros((5, 4)),
+            member=np.full(4, ALL_MEMBERS),
+            modes=np.ones(4, int),
+            member_mean=np.tile(self.command, (5, 1)),
+        )
+
+
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+class Trial:
+    """One flight of the companion with the fake vehicle, and what either side saw."""
+
+    def __init__(self, tmp_path: Path, script: Script, **plan: Any) -> None:
+        port = free_port()
+        self.pilot = ForwardPilot()
+        self.output = StringIO()
+        self.vehicle = FakeVehicle(port, script)
+        self.plan = FlightPlan(
+            endpoint=parse_endpoint(f"udpin:127.0.0.1:{port}"),
+            log=tmp_path / "flight.tlog",
+            **({"timeout_s": 10.0} | plan),
+        )
+
+    def fly(self) -> Summary:
+        with self.vehicle:
+            return fly(self.plan, lambda: self.pilot, Progress(verbosity=1, stream=self.output))
+
+
+def read_tlog(path: Path) -> Iterator[Any]:
+    log = mavutil.mavlink_connection(str(path), dialect="common")
+    while (message := log.recv_match()) is not None:
+        yield message
+    log.close()
