@@ -51,6 +51,7 @@ def build_parser() -> argparse.ArgumentParser:
     add("--speed-scale", type=_positive, default=1.0, metavar="X", help="factor on commands (1)")
     add("--timeout", type=_positive, default=60.0, metavar="S", help="to find the vehicle (60)")
     add("--log", type=Path, metavar="PATH", help="tlog (default logs/companion-<UTC>.tlog)")
+    add("--record-frames", action="store_true", help="keep each frame as PNG, in LOG.frames")
     add("--json", action="store_true", help="last line of output: the result as JSON")
     loudness = parser.add_mutually_exclusive_group()
     loudness.add_argument("-v", "--verbose", action="store_true", help="tell more")
@@ -82,6 +83,7 @@ def _fly(arguments: argparse.Namespace) -> int:
     plan = FlightPlan(
         endpoint=parse_endpoint(arguments.connect or arguments.udp or DEFAULT_PORT),
         log=arguments.log or _default_log(),
+        record_frames=arguments.record_frames,
         camera=arguments.camera,
         takeoff_altitude_m=arguments.takeoff_altitude,
         duration_s=arguments.duration,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flightstack.camera.camera import open_camera
+from flightstack.camera.recorder import FrameRecorder, RecordedCamera
 from flightstack.clock import VehicleClock
 from flightstack.companion.discovery import find_camera, wait_for_frame, wait_for_vehicle
 from flightstack.companion.loop import FlightLoop, Pilot
@@ -28,6 +29,7 @@ class FlightPlan:
 
     endpoint: Endpoint
     log: Path
+    record_frames: bool = False  # beside the log
     camera: str | None = None  # None: the one that the vehicle names
     takeoff_altitude_m: float = 3.0  # above home
     duration_s: float | None = None  # in OFFBOARD, vehicle time
@@ -38,31 +40,51 @@ class FlightPlan:
 def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], progress: Progress) -> Summary:
     """Fly, and say what happened; raises a FlightstackError where no flight begins."""
     clock = VehicleClock()
+    reporter = Reporter(progress)
     with contextlib.ExitStack() as stack:
         stack.callback(progress.close)
+        stack.callback(reporter.report_failures)  # of the last writes, too
         tlog = TlogWriter(plan.log)
         stack.callback(tlog.close)
-        transport = open_transport(plan.endpoint)
-        link = Link(transport, tlog, clock)
+        reporter.watch(tlog)
+        recorder = _open_recorder(plan, reporter, stack)
+        link = Link(open_transport(plan.endpoint), tlog, clock)
         stack.callback(link.close)
-        vehicle = Vehicle(link, plan.takeoff_altitude_m)
+        vehicle = Vehicle(link, plan.takeoff_altitude_m, publish_members=plan.record_frames)
         pilot = load_pilot()
-        progress.event(f"waiting for the vehicle on {plan.endpoint}")
-        wait_for_vehicle(vehicle, plan.timeout_s, name=str(plan.endpoint))
-        uri = plan.camera or find_camera(vehicle, plan.timeout_s)
-        progress.event(f"vehicle {link.system_id} found; opening its camera {uri}")
+        uri = _find(vehicle, plan, progress)
         camera = open_camera(uri, clock)
         stack.callback(camera.close)
         wait_for_frame(vehicle, camera, plan.timeout_s, name=uri)
         loop = FlightLoop(
             vehicle,
-            camera,
+            camera if recorder is None else RecordedCamera(camera, recorder),
             pilot,
-            Reporter(progress),
+            reporter,
             duration_us=None if plan.duration_s is None else round(plan.duration_s * 1e6),
             speed_scale=plan.speed_scale,
         )
         return _run(loop, vehicle, plan)
+
+
+def _open_recorder(
+    plan: FlightPlan, reporter: Reporter, stack: contextlib.ExitStack
+) -> FrameRecorder | None:
+    if not plan.record_frames:
+        return None
+    recorder = FrameRecorder(plan.log.with_suffix(".frames"))
+    stack.callback(recorder.close)
+    reporter.watch(recorder)
+    return recorder
+
+
+def _find(vehicle: Vehicle, plan: FlightPlan, progress: Progress) -> str:
+    """Wait for the vehicle; return the URI of its camera, or of the one that was named."""
+    progress.event(f"waiting for the vehicle on {plan.endpoint}")
+    wait_for_vehicle(vehicle, plan.timeout_s, name=str(plan.endpoint))
+    uri = plan.camera or find_camera(vehicle, plan.timeout_s)
+    progress.event(f"vehicle {vehicle.link.system_id} found; opening its camera {uri}")
+    return uri
 
 
 def _run(loop: FlightLoop, vehicle: Vehicle, plan: FlightPlan) -> Summary:

@@ -1,6 +1,7 @@
 """Turn what happens in flight into lines: phases, gates, the vehicle's own words, what is wrong."""
 
 import math
+from typing import Protocol
 
 from pymavlink.dialects.v20 import common
 
@@ -16,11 +17,20 @@ from flightstack.records import Decision
 WARNING_SEVERITY = 4  # MAV_SEVERITY_WARNING; a smaller number is more urgent
 
 
+class Keeper(Protocol):
+    """Something that keeps what happens on a disk."""
+
+    @property
+    def failure(self) -> str | None:
+        """Why it keeps no more, or not all."""
+
+
 class Reporter:
     """Compare each turn of the loop with the one before, and tell the difference."""
 
     def __init__(self, progress: Progress) -> None:
         self._progress = progress
+        self._keepers: list[Keeper] = []
         self._phase: Phase | None = None
         self._gates_passed = 0
         self._decision: Decision | None = None
@@ -36,6 +46,16 @@ class Reporter:
             self._warned.add(text)
             self._progress.warning(text)
 
+    def watch(self, keeper: Keeper) -> None:
+        """Tell, too, when this one fails."""
+        self._keepers.append(keeper)
+
+    def report_failures(self) -> None:
+        """Tell of a disk that fails us, each failure once."""
+        for keeper in self._keepers:
+            if keeper.failure is not None:
+                self.warn_once(keeper.failure)
+
     def report(self, state: MissionState, vehicle: Vehicle) -> None:
         """Tell what is new."""
         telemetry = vehicle.telemetry
@@ -47,8 +67,7 @@ class Reporter:
         for refusal in vehicle.drain_refusals():
             tell = self._progress.detail if _is_question(refusal) else self._progress.event
             tell(f"{command_name(refusal.command)}: {refusal.reason}")
-        if vehicle.link.tlog.failure is not None:
-            self.warn_once(vehicle.link.tlog.failure)
+        self.report_failures()
         if telemetry.course.gates_passed > self._gates_passed:
             self._gates_passed = telemetry.course.gates_passed
             self._progress.event(self._flight_line(state, vehicle))

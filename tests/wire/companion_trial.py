@@ -57,8 +57,7 @@ class Trial:
         self.vehicle = FakeVehicle(port, script)
         self.plan = FlightPlan(
             endpoint=parse_endpoint(f"udpin:127.0.0.1:{port}"),
-            log=tmp_path / "flight.tlog",
-            **({"timeout_s": 10.0} | plan),
+            **({"timeout_s": 10.0, "log": tmp_path / "flight.tlog"} | plan),
         )
 
     def fly(self) -> Summary:

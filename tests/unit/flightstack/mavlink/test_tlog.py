@@ -1,11 +1,9 @@
 """The log: whole records, readable by pymavlink, on disk within a second, and never fatal."""
 
-import resource
 import signal
 import struct
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -14,6 +12,7 @@ from pymavlink.dialects.v20 import common
 
 from flightstack.errors import UsageError
 from flightstack.mavlink.tlog import TlogWriter
+from tests.unit.flightstack.small_disk import small_disk
 
 FRAME = bytes(common.MAVLink_heartbeat_message(2, 12, 81, 0, 3, 3).pack(common.MAVLink(None, 1, 1)))
 RECORD_BYTES = 8 + len(FRAME)
@@ -99,24 +98,14 @@ def test_survives_a_kill_up_to_the_last_flush(tmp_path: Path) -> None:
     assert path.stat().st_size == 100 * RECORD_BYTES
 
 
-@pytest.fixture
-def small_disk() -> Iterator[int]:
-    """Allow no file to grow beyond 100 bytes."""
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (100, limits[1]))
-    yield 100
-    resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-    signal.signal(signal.SIGXFSZ, handler)
-
-
-def test_a_full_disk_ends_the_log_at_a_whole_record(tmp_path: Path, small_disk: int) -> None:
+def test_a_full_disk_ends_the_log_at_a_whole_record(tmp_path: Path) -> None:
     log = TlogWriter(tmp_path / "a.tlog")
-    log.append(0, FRAME)
-    log.flush()
-    for _ in range(small_disk // RECORD_BYTES + 1):
+    with small_disk(100):
         log.append(0, FRAME)
-    log.flush()
+        log.flush()
+        for _ in range(100 // RECORD_BYTES + 1):
+            log.append(0, FRAME)
+        log.flush()
     assert log.failure is not None
     assert str(log.path) in log.failure
     log.append(0, FRAME)
