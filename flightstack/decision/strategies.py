@@ -1,19 +1,23 @@
-"""Strategies by name: each one a member choice, a statistic and a rule for vx.
+"""Strategies by name: each one a member choice, a statistic, a rule for vx and a side preference.
 
 `de-mean` and `mi-mode` are the paper's two. Any other combination is written out as
-MEMBER/STATISTIC/VX, for example `mi-exact/mean/slow`, so that each part can be ablated alone.
+MEMBER/STATISTIC/VX or MEMBER/STATISTIC/VX/SIDE, for example `mi-exact/mean/slow:0.8` or
+`all/mode/same/near`, so that each part can be ablated alone.
 """
 
+import math
 from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
+from flightstack.decision.members import MEMBERS, Aids
 from flightstack.decision.mixture import split_variance
 from flightstack.decision.parts import (
     DIRECTIONS,
-    MEMBERS,
+    SIDES,
+    SLOW_FACTOR,
     STATISTICS,
     VX,
     VX_RULES,
@@ -24,8 +28,9 @@ from flightstack.records import ActionSamples, Decision
 
 STRATEGIES = {
     "de-mean": "all/mean/same",
-    "mi-mode": "mi/near-side-mode/lowest",
+    "mi-mode": "mi/mode/lowest/near",
 }
+FORM = "MEMBER/STATISTIC/VX[/SIDE]"
 
 
 class Strategy(Protocol):
@@ -38,19 +43,22 @@ class Strategy(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ComposedStrategy:
-    """A strategy of three named parts, for a course of one direction."""
+    """A strategy of named parts, for a course of one direction."""
 
     member: str  # of MEMBERS
     statistic: str  # of STATISTICS
     vx: str  # of VX_RULES
+    vx_factor: float  # of the rule "slow"
+    side: str  # of SIDES
     direction: str  # of DIRECTIONS
+    aids: Aids
 
     def decide(self, samples: ActionSamples) -> Decision:
-        """Choose whom to follow, take their statistic, and set the pace."""
-        choice = MEMBERS[self.member](samples)
+        """Choose whom to follow, take their statistic and their side, and set the pace."""
+        choice = MEMBERS[self.member](samples, self.aids)
         followed = Followed.of(samples, choice, self.direction)
-        command = STATISTICS[self.statistic](followed)
-        command[VX] = VX_RULES[self.vx](followed, float(command[VX]))
+        command = SIDES[self.side](followed, STATISTICS[self.statistic](followed))
+        command[VX] = VX_RULES[self.vx](followed, float(command[VX]), self.vx_factor)
         parts = split_variance(samples)
         return Decision(
             command=command,
@@ -64,27 +72,56 @@ class ComposedStrategy:
         )
 
 
-def make_strategy(name: str, *, direction: str = "cw") -> Strategy:
-    """Make a strategy from its name, or from MEMBER/STATISTIC/VX.
+def make_strategy(
+    name: str, *, direction: str = "cw", seed: int = 0, best_member: tuple[int, ...] = ()
+) -> Strategy:
+    """Make a strategy from its name, or from its parts.
 
-    Raises UsageError, with the known names, when there is no such strategy, part or direction.
+    `seed` is of the member choice "random"; `best_member` (4,) is whom "best" follows. Raises
+    UsageError, with the known names, when there is no such strategy, part or direction.
     """
     if direction not in DIRECTIONS:
         raise UsageError(f"unknown direction {direction!r}: choose one of {', '.join(DIRECTIONS)}")
     parts = STRATEGIES.get(name, name).split("/")
-    if len(parts) != 3:
-        raise UsageError(
-            f"unknown strategy {name!r}: choose one of {', '.join(sorted(STRATEGIES))}, "
-            "or MEMBER/STATISTIC/VX"
-        )
-    kinds: dict[str, Collection[str]] = {
-        "member choice": MEMBERS,
-        "statistic": STATISTICS,
-        "vx rule": VX_RULES,
+    if len(parts) not in (3, 4):
+        known = ", ".join(sorted(STRATEGIES))
+        raise UsageError(f"unknown strategy {name!r}: choose one of {known}, or {FORM}")
+    member, statistic, pace, side = [*parts, "none"][:4]
+    vx, colon, factor = pace.partition(":")
+    kinds: dict[str, tuple[str, Collection[str]]] = {
+        "member choice": (member, MEMBERS),
+        "statistic": (statistic, STATISTICS),
+        "vx rule": (vx, VX_RULES),
+        "side preference": (side, SIDES),
     }
-    for (kind, known), part in zip(kinds.items(), parts, strict=True):
-        if part not in known:
+    for kind, (part, of_kind) in kinds.items():
+        if part not in of_kind:
             raise UsageError(
-                f"unknown {kind} {part!r} in strategy {name!r}: choose one of {', '.join(known)}"
+                f"unknown {kind} {part!r} in strategy {name!r}: choose one of {', '.join(of_kind)}"
             )
-    return ComposedStrategy(member=parts[0], statistic=parts[1], vx=parts[2], direction=direction)
+    if member == "best" and not best_member:
+        raise UsageError(
+            f"strategy {name!r}: the model does not record which member is best; "
+            "choose another strategy, or run 'python -m flightstack.training calibrate' on it"
+        )
+    return ComposedStrategy(
+        member=member,
+        statistic=statistic,
+        vx=vx,
+        vx_factor=_factor(vx, factor, name) if colon else SLOW_FACTOR,
+        side=side,
+        direction=direction,
+        aids=Aids(rng=np.random.default_rng(seed), best_member=best_member),
+    )
+
+
+def _factor(rule: str, text: str, name: str) -> float:
+    try:
+        factor = float(text)
+    except ValueError:
+        factor = math.nan
+    if rule != "slow" or not 0.0 < factor <= 1.0:
+        raise UsageError(
+            f"strategy {name!r}: only 'slow' takes a factor, above 0 and at most 1, as 'slow:0.8'"
+        )
+    return factor

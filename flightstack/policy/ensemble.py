@@ -12,10 +12,15 @@ from flightstack.records import ActionSamples
 class PolicyEnsemble:
     """Every latent sample through every member: N x M Gaussians over each velocity."""
 
-    def __init__(self, stack: PolicyStack, velocity_range: VelocityRange) -> None:
+    def __init__(
+        self,
+        stack: PolicyStack,
+        velocity_range: VelocityRange,
+        variance_factor: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0),
+    ) -> None:
         self._stack = stack.eval()
         self._offset, self._scale = velocity_range.offset, velocity_range.scale
-        self._var_scale = self._scale**2
+        self._var_scale = self._scale**2 * variance_factor
 
     def predict(self, z: NDArray[np.float32]) -> ActionSamples:
         """Map latents (M, Z) to means and variances (N, M, 4) in m/s and rad/s."""

@@ -94,6 +94,51 @@ def test_slow_rule_scales_the_statistic_alone() -> None:
     np.testing.assert_allclose(slow, plain * [0.7, 1.0, 1.0, 1.0])
 
 
+def test_slow_rule_takes_any_factor() -> None:
+    samples = make_samples()
+    plain = make_strategy("de-mean").decide(samples).command
+    slow = make_strategy("all/mean/slow:0.8").decide(samples).command
+    np.testing.assert_allclose(slow, plain * [0.8, 1.0, 1.0, 1.0])
+
+
+def test_without_side_preference_the_densest_mode_is_taken() -> None:
+    sides = np.where(np.arange(32) < 10, -0.8, 0.6)  # the fewer see the gate on the left
+    noise = make_samples().mean * 0.1
+    samples = ActionSamples(mean=noise + sides[:, np.newaxis], var=make_samples().var)
+    free = make_strategy("all/mode/same/none").decide(samples).command
+    near = make_strategy("all/mode/same/near").decide(samples).command
+    assert free == pytest.approx(np.full(4, 0.6), abs=0.15)
+    assert near == pytest.approx([0.6, -0.8, 0.6, -0.8], abs=0.15)
+    assert make_strategy("all/mode/same").decide(samples).command == pytest.approx(free)
+
+
+def test_side_preference_leaves_a_single_mode_alone() -> None:
+    samples = ActionSamples(mean=make_samples().mean[:1], var=make_samples().var[:1])
+    decisions = [
+        make_strategy(f"all/mean/same/{side}").decide(samples) for side in ("none", "near")
+    ]
+    single = decisions[0].modes == 1
+    assert single.any()
+    assert (decisions[0].command == decisions[1].command)[single].all()
+
+
+def test_random_choice_follows_its_seed_and_finds_every_member() -> None:
+    samples = make_samples()
+    first, again, other = (make_strategy("random/mean/same", seed=s) for s in (1, 1, 2))
+    chosen = np.stack([first.decide(samples).member for _ in range(40)])
+    assert (np.stack([again.decide(samples).member for _ in range(40)]) == chosen).all()
+    assert (np.stack([other.decide(samples).member for _ in range(40)]) != chosen).any()
+    assert set(chosen.ravel()) == set(range(5))
+
+
+def test_best_choice_follows_whom_the_model_records() -> None:
+    samples = make_samples()
+    decision = make_strategy("best/mean/same", best_member=(3, 0, 4, 1)).decide(samples)
+    assert decision.member.tolist() == [3, 0, 4, 1]
+    expected = [samples.mean[n, :, k].mean() for k, n in enumerate((3, 0, 4, 1))]
+    np.testing.assert_allclose(decision.command, expected)
+
+
 @pytest.mark.parametrize("name", sorted(STRATEGIES))
 def test_strategies_are_deterministic(name: str) -> None:
     first, second = (make_strategy(name).decide(make_samples()) for _ in range(2))
@@ -115,6 +160,11 @@ def test_strategies_take_any_number_of_samples(name: str, shape: tuple[int, int,
         ("all/average/same", "unknown statistic 'average'.*mean, median, mode"),
         ("some/mean/same", "unknown member choice 'some'.*all, mi, mi-exact"),
         ("all/mean/fast", "unknown vx rule 'fast'.*same, lowest"),
+        ("all/mode/same/left", "unknown side preference 'left'.*none, near"),
+        ("all/mean/slow:2", "only 'slow' takes a factor, above 0 and at most 1"),
+        ("all/mean/slow:much", "only 'slow' takes a factor"),
+        ("all/mean/same:0.5", "only 'slow' takes a factor"),
+        ("best/mean/same", "does not record which member is best"),
     ],
 )
 def test_unknown_names_list_the_known_ones(name: str, message: str) -> None:

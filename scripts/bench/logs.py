@@ -1,0 +1,263 @@
+#!/usr/bin/env python3
+"""Measure the log reader beside pymavlink, on one log, in one run: python scripts/bench/logs.py LOG.
+
+Without a log, one is made of the messages and rates of a flight. Every figure is the best of some
+rounds of CPU time, taken in turns, so that a busy machine slows both alike. `--fuzz N` reads N
+damaged inputs instead.
+"""
+
+import argparse
+import resource
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from pymavlink import mavutil
+from pymavlink.dialects.v20 import all as mavlink
+
+from flightstack.logs import read, read_bytes
+
+MESSAGES = 200_000
+MANY = 2_000_000
+START_US = 1_700_000_000_000_000
+PYTHON = sys.executable
+# message and rate on the link to the companion
+RATES = {
+    mavlink.MAVLINK_MSG_ID_ATTITUDE: 100,
+    mavlink.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: 50,
+    mavlink.MAVLINK_MSG_ID_HIGHRES_IMU: 50,
+    mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: 50,
+    mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED: 30,
+    mavlink.MAVLINK_MSG_ID_ODOMETRY: 30,
+    mavlink.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED: 20,
+    mavlink.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY: 20,
+    mavlink.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW: 10,
+    mavlink.MAVLINK_MSG_ID_SYS_STATUS: 5,
+    mavlink.MAVLINK_MSG_ID_HEARTBEAT: 1,
+}
+
+
+def made_payload(msgid: int, rng: np.random.Generator) -> bytes:
+    """Return a payload of plausible numbers: floats around one, small integers."""
+    definition = mavlink.mavlink_map[msgid]
+    values: list[object] = []
+    for value in definition.unpacker.unpack(bytes(definition.unpacker.size)):
+        if isinstance(value, bytes):
+            values.append(b"decision")
+        elif isinstance(value, float):
+            values.append(float(rng.normal()))
+        else:
+            values.append(int(rng.integers(0, 100)))
+    return bytes(definition.unpacker.pack(*values))
+
+
+def make_log(path: Path, count: int) -> None:
+    """Write a log of so many messages, in the mixture that a companion's link has."""
+    rng = np.random.default_rng(1)
+    ids = np.repeat(list(RATES), list(RATES.values()))
+    payloads = {msgid: [made_payload(msgid, rng) for _ in range(64)] for msgid in RATES}
+    order = rng.permutation(ids)
+    with path.open("wb") as file:
+        for index in range(count):
+            msgid = int(order[index % len(order)])
+            definition = mavlink.mavlink_map[msgid]
+            payload = payloads[msgid][index % 64].rstrip(b"\0") or b"\0"
+            head = struct.pack(
+                "<BBBBBBBHB",
+                0xFD,
+                len(payload),
+                0,
+                0,
+                index % 256,
+                1,
+                1,
+                msgid & 0xFFFF,
+                msgid >> 16,
+            )
+            crc = mavlink.x25crc(head[1:] + payload + bytes([definition.crc_extra])).crc
+            stamp = struct.pack(">Q", START_US + index * 2500)
+            file.write(stamp + head + payload + struct.pack("<H", crc))
+
+
+def cpu_s(work: Callable[[], object]) -> float:
+    """Return the CPU time of this process for some work."""
+    started = time.process_time()
+    work()
+    return time.process_time() - started
+
+
+def child_cpu_s(command: list[str], output: Path) -> float:
+    """Return the CPU time of a command from its start to its end."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    with output.open("wb") as file:
+        subprocess.run(command, stdout=file, check=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def recv_match(path: Path, opener: Callable[[str], object]) -> int:
+    """Read a log message by message with pymavlink."""
+    log = opener(str(path))
+    count = 0
+    while log.recv_match() is not None:  # type: ignore[attr-defined]
+        count += 1
+    return count
+
+
+def read_all(path: Path) -> int:
+    """Read a log with every checksum, and decode every message that is known."""
+    log = read(path)
+    log.load(log.counts)
+    return len(log)
+
+
+def side_by_side(
+    name: str, theirs: Callable[[], object], ours: Callable[[], object], rounds: int
+) -> None:
+    """Print the best CPU times of both, taken in turns, and their ratio."""
+    pairs = [(cpu_s(theirs), cpu_s(ours)) for _ in range(rounds)]
+    slow, fast = (min(column) for column in zip(*pairs, strict=True))
+    print(f"{name:58} {slow:7.3f} s  {fast:7.3f} s  {slow / fast:5.1f}x")
+
+
+def measure_reading(path: Path, rounds: int) -> None:
+    """Compare whole reads."""
+
+    def stream() -> int:
+        return recv_match(path, lambda name: mavutil.mavlogfile(name, robust_parsing=True))
+
+    def mapped() -> int:
+        return recv_match(path, mavutil.mavlink_connection)
+
+    print(f"{'':58} {'pymavlink':>9}  {'ours':>9}  ratio")
+    ours = lambda: read(path)  # noqa: E731
+    side_by_side("whole read, every checksum: mavlogfile.recv_match", stream, ours, rounds)
+    side_by_side("whole read, every checksum: mavmmaplog.recv_match", mapped, ours, rounds)
+    everything = lambda: read_all(path)  # noqa: E731
+    side_by_side("and every field of every message decoded", mapped, everything, rounds)
+
+
+def measure_dump(path: Path, folder: Path, rounds: int) -> None:
+    """Compare `dump --types ATTITUDE` with mavlogdump.py: whole commands, and without start-up."""
+    theirs_out, ours_out = folder / "theirs.txt", folder / "ours.txt"
+    mavlogdump = str(Path(PYTHON).with_name("mavlogdump.py"))
+    empty = folder / "one.tlog"
+    empty.write_bytes(first_record(path))
+    commands = {
+        "theirs": [PYTHON, mavlogdump, "--types", "ATTITUDE"],
+        "ours": [PYTHON, "-m", "flightstack.logs", "dump", "--types", "ATTITUDE"],
+    }
+    outputs = {"theirs": theirs_out, "ours": ours_out}
+    best: dict[tuple[str, str], float] = {}
+    for _ in range(rounds):
+        for what, log in (("whole", path), ("start", empty)):
+            for who, command in commands.items():
+                output = outputs[who] if what == "whole" else folder / "nothing.txt"
+                taken = child_cpu_s([*command, str(log)], output)
+                best[who, what] = min(taken, best.get((who, what), taken))
+    same = theirs_out.read_bytes() == ours_out.read_bytes()
+    rows = ours_out.read_bytes().count(b"\n")
+    slow, fast = best["theirs", "whole"], best["ours", "whole"]
+    name = "dump --types ATTITUDE: the command from start to end"
+    print(f"{name:58} {slow:7.3f} s  {fast:7.3f} s  {slow / fast:5.1f}x")
+    slow, fast = slow - best["theirs", "start"], fast - best["ours", "start"]
+    name = "dump --types ATTITUDE: without its start-up"
+    print(f"{name:58} {slow:7.3f} s  {fast:7.3f} s  {slow / fast:5.1f}x")
+    print(f"  {rows} rows, {'the same' if same else 'NOT THE SAME'} from both")
+
+
+def first_record(path: Path) -> bytes:
+    """Return the first record of a log."""
+    frame_end = int(read(path).frames.end[0])
+    return path.read_bytes()[:frame_end]
+
+
+def measure_summary(path: Path, rounds: int) -> None:
+    """Print the wall and CPU time of a summary after start-up."""
+    from flightstack.logs.commands.summary import summary_of  # noqa: PLC0415
+
+    summary_of(path, None)  # imports and tables
+    walls = []
+    cpus = []
+    for _ in range(rounds):
+        started = time.perf_counter()
+        cpus.append(cpu_s(lambda: summary_of(path, None)))
+        walls.append(time.perf_counter() - started)
+    print(f"summary after start-up: {min(walls):.3f} s wall, {min(cpus):.3f} s CPU")
+
+
+def measure_memory(folder: Path) -> None:
+    """Print the most memory of a process that summarises two million messages."""
+    path = folder / "many.tlog"
+    make_log(path, MANY)
+    code = (
+        "import resource, sys; from pathlib import Path;"
+        "from flightstack.logs.commands.summary import summary_of;"
+        "facts = summary_of(Path(sys.argv[1]), None);"
+        "print(facts['messages'], resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)"
+    )
+    ran = subprocess.run(
+        [PYTHON, "-c", code, str(path)], capture_output=True, text=True, check=True
+    )
+    messages, megabytes = ran.stdout.split()
+    size = path.stat().st_size / 2**20
+    print(f"summary of {messages} messages ({size:.0f} MiB): {float(megabytes):.0f} MiB of memory")
+
+
+def fuzz(count: int) -> None:
+    """Read so many damaged inputs; an exception ends the run."""
+    rng = np.random.default_rng(9)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "log.tlog"
+        make_log(path, 2000)
+        clean = np.fromfile(path, dtype=np.uint8)
+    found = 0
+    started = time.perf_counter()
+    for index in range(count):
+        start = int(rng.integers(0, len(clean) - 1500))
+        data = clean[start : start + int(rng.integers(0, 1500))].copy()
+        hits = int(rng.integers(0, 30))
+        if len(data):
+            places = rng.integers(0, len(data), size=hits)
+            data[places] = rng.choice([0xFD, 0xFE, 0, 255, 1, 7], size=hits)
+        if index % 10 == 0:
+            data = rng.integers(0, 256, size=len(data), dtype=np.uint8)
+        log = read_bytes(data)
+        log.load(log.counts)
+        assert log.damage.lost_bytes <= len(data)
+        assert len(log.losses) <= len(log)
+        found += len(log)
+    print(f"{count} inputs, {found} frames, no exception, {time.perf_counter() - started:.0f} s")
+
+
+def main() -> None:
+    """Run what was asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("log", nargs="?", type=Path, help="a flight log; default: one is made")
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--memory", action="store_true", help="with two million messages too")
+    parser.add_argument("--fuzz", type=int, metavar="N", help="read N damaged inputs instead")
+    arguments = parser.parse_args()
+    if arguments.fuzz:
+        fuzz(arguments.fuzz)
+        return
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        path = arguments.log or folder / "made.tlog"
+        if arguments.log is None:
+            make_log(path, MESSAGES)
+        print(f"{len(read(path))} messages, {path.stat().st_size / 2**20:.1f} MiB, CPU time")
+        measure_reading(path, arguments.rounds)
+        measure_dump(path, folder, arguments.rounds)
+        measure_summary(path, arguments.rounds)
+        if arguments.memory:
+            measure_memory(folder)
+
+
+if __name__ == "__main__":
+    main()
