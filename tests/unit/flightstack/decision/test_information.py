@@ -79,12 +79,11 @@ def test_exact_score_lies_between_0_and_ln_nm(seed: int, apart: float) -> None:
 def test_bound_is_reached_by_predictions_far_apart() -> None:
     mean = np.arange(6.0).reshape(2, 3, 1).repeat(4, axis=2) * 1000.0
     samples = ActionSamples(mean=mean, var=np.ones_like(mean))
-    assert quadrature_score(samples) == pytest.approx(np.full((2, 4), math.log(6)), abs=1e-6)
+    assert quadrature_score(samples) == pytest.approx(np.full((2, 4), math.log(6)), abs=1e-3)
 
 
 def test_one_lone_prediction_says_nothing_beyond_itself() -> None:
     samples = make_samples(4, members=1, latents=1)
     assert gaussian_score(samples) == pytest.approx(np.zeros((1, 4)), abs=1e-12)
-    assert quadrature_score(samples) == pytest.approx(
-        np.zeros((1, 4)), abs=1e-6
-    )  # single precision
+    lone = quadrature_score(samples)
+    assert lone == pytest.approx(np.zeros((1, 4)), abs=1e-6)  # in single precision
