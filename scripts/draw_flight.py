@@ -21,10 +21,9 @@ from flightstack.errors import FlightstackError
 from flightstack.logs import Log, read
 from sitl.errors import SitlError
 from sitl.gate import OUTER_M
+from sitl.quiet import quiet_outputs
 from sitl.records import Gate
-from sitl.sensors.camera import Camera
 from sitl.sensors.look import draw_look
-from sitl.simulation import LOOK_STREAM
 from sitl.world.track import Track, make_track
 
 FRAMES = 8  # images in the strip
@@ -89,14 +88,14 @@ def draw_course(axes: Axes, path: Path3, track: Track) -> None:
     axes.annotate(
         "take-off",
         (0.0, 0.0),
-        xytext=(0, -12),
+        xytext=(8, 0),
         textcoords="offset points",
-        ha="center",
+        va="center",
         color=INK,
         fontsize=8,
     )
     axes.set_aspect("equal")
-    axes.margins(0.08)
+    axes.margins(0.12)
     axes.set(xlabel="east, m", ylabel="north, m")
     axes.spines[["top", "right"]].set_visible(False)
     bar = axes.figure.colorbar(line, ax=axes, shrink=0.7, pad=0.03)
@@ -110,7 +109,7 @@ def draw_gate(axes: Axes, gate: Gate, track: Track) -> None:
     ends = np.array([east, north]) + np.outer([-1.0, 1.0], across)
     axes.plot(ends[:, 0], ends[:, 1], color=GATE, linewidth=4, solid_capstyle="butt")
     outward = np.array([east - track.centre_ned[1], north - track.centre_ned[0]])
-    label = np.array([east, north]) + 1.35 * outward / np.linalg.norm(outward)
+    label = np.array([east, north]) + 1.7 * outward / np.linalg.norm(outward)
     text = f"{gate.index}\n{-down:.1f} m"
     axes.text(
         label[0], label[1], text, ha="center", va="center", color=INK, fontsize=8, linespacing=0.95
@@ -119,6 +118,9 @@ def draw_gate(axes: Axes, gate: Gate, track: Track) -> None:
 
 def draw_strip(figure: Figure, path: Path3, track: Track, seed: int) -> None:
     """Render what the camera saw shortly before each gate of the first lap."""
+    with quiet_outputs():  # the renderer greets on standard output
+        from sitl.sensors.camera import Camera  # noqa: PLC0415
+        from sitl.simulation import LOOK_STREAM  # noqa: PLC0415
     camera = Camera(track.gates, draw_look(np.random.default_rng([seed, LOOK_STREAM])))
     strip = figure.add_gridspec(
         1, FRAMES, left=0.02, right=0.98, bottom=0.02, top=0.155, wspace=0.06
@@ -143,8 +145,8 @@ def draw(log: Log, track: Track, seed: int, output: Path) -> None:
     path = read_path(log)
     if not len(path.time_ms):
         raise FlightstackError(f"{log.name}: no decisions in this log, nothing to draw")
-    figure = Figure(figsize=(9.0, 9.2), dpi=110, facecolor="white")
-    course = figure.add_axes((0.08, 0.25, 0.88, 0.68))
+    figure = Figure(figsize=(8.4, 8.2), dpi=110, facecolor="white")
+    course = figure.add_axes((0.09, 0.24, 0.87, 0.71))
     draw_course(course, path, track)
     seconds = (path.time_ms[-1] - path.time_ms[0]) / 1e3
     speed_m_s = float(path.speed_m_s.mean())

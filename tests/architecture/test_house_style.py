@@ -3,6 +3,7 @@
 import ast
 import re
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -91,3 +92,11 @@ def test_documented_modules_run(document: str) -> None:
     own = {module for module in modules if module.split(".")[0] in ("sitl", "flightstack")}
     missing = [name for name in own if not (ROOT / Path(*name.split(".")) / "__main__.py").exists()]
     assert not missing, missing
+
+
+def test_readme_lists_the_options_of_fly() -> None:
+    section = (ROOT / "README.md").read_text().partition("### `./scripts/fly`")[2]
+    listed = set(re.findall(r"^\| `(--[a-z-]+)", section.partition("###")[0], re.MULTILINE))
+    command = [sys.executable, str(ROOT / "scripts" / "fly_course.py"), "--help"]
+    helped = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert listed == set(re.findall(r"^  (--[a-z-]+)", helped, re.MULTILINE))
