@@ -6,7 +6,7 @@ from contextlib import ExitStack, closing
 from sitl.camera_stream import CameraStream
 from sitl.mavlink.camera_component import CameraFacts
 from sitl.mavlink.endpoint import Endpoint
-from sitl.mavlink.link import Link
+from sitl.mavlink.link import Guard, Link
 from sitl.mavlink.tlog import TlogWriter
 from sitl.options import Options
 from sitl.sensors.camera import FIELD_OF_VIEW_DEG, SIZE_PX
@@ -15,7 +15,7 @@ from sitl.simulation import CAMERA_RATE_HZ, Simulation, SimulationConfig
 
 
 def assemble(
-    options: Options, links: Sequence[Link], unix_epoch_us: int, stack: ExitStack
+    options: Options, links: Sequence[Link], guard: Guard, unix_epoch_us: int, stack: ExitStack
 ) -> tuple[Server, CameraStream]:
     """Build everything behind open links; `stack` closes it.
 
@@ -32,6 +32,7 @@ def assemble(
         system=options.system,
         camera=_describe_camera(stream),
         unix_epoch_us=unix_epoch_us,
+        guard=guard,
     )
     server = Server(
         simulation,
@@ -41,6 +42,7 @@ def assemble(
         speed_factor=options.speed_factor,
         lockstep=options.lockstep,
     )
+    server.watch_refusals(guard.refusals)
     if options.log is not None:
         tlog = TlogWriter(
             options.log, unix_epoch_us=unix_epoch_us, clock=lambda: simulation.time_us

@@ -13,10 +13,13 @@ from types import FrameType
 from typing import TYPE_CHECKING
 
 from sitl.mavlink.health import heartbeat
-from sitl.mavlink.link import Link, LinkConfig
+from sitl.mavlink.link import Guard, Link
+from sitl.mavlink.signing import Signing
+from sitl.mavlink.udp_link import LinkConfig, UdpLink
 from sitl.modes import Mode
 from sitl.options import Options
 from sitl.quiet import quiet_outputs
+from sitl.signing_key import read_key, write_key
 
 if TYPE_CHECKING:
     from sitl.server import Server
@@ -37,30 +40,38 @@ def launch(options: Options) -> int:
     """
     unix_epoch_us = time.time_ns() // 1000
     with ExitStack() as stack:
-        links = _open_links(options, stack)
+        guard = _make_guard(options)
+        links = _open_links(options, guard, stack)
         boot = heartbeat(Mode.HOLD.custom_mode, Mode.HOLD.value.base, MAV_STATE_UNINIT)
         for link in links:
             link.send(boot)
         with quiet_outputs():
             from sitl.assembly import assemble  # noqa: PLC0415  brings pybullet and OpenCV
 
-        server, stream = assemble(options, links, unix_epoch_us, stack)
+        server, stream = assemble(options, links, guard, unix_epoch_us, stack)
         _log.info("vehicle %d: %s, camera %s", options.system, _describe(links), stream.uri)
         gc.freeze()  # what is here now stays: no need to look through it again and again
         return _run(server)
 
 
-def _open_links(options: Options, stack: ExitStack) -> list[Link]:
+def _make_guard(options: Options) -> Guard:
+    path = options.signing_key
+    if path is None:
+        return Guard()
+    return Guard(signing=Signing(read_key(path), keep=lambda key: write_key(path, key)))
+
+
+def _open_links(options: Options, guard: Guard, stack: ExitStack) -> list[Link]:
     links: list[Link] = []
     for index, (name, ports) in enumerate((("gcs", options.gcs_ports), ("api", options.api_ports))):
         config = LinkConfig(name=name, local_port=ports[0], remote_port=ports[1])
-        link = Link(config, system=options.system, index=index)
+        link = UdpLink(config, system=options.system, index=index, guard=guard)
         links.append(stack.enter_context(closing(link)))
     return links
 
 
 def _describe(links: Sequence[Link]) -> str:
-    return ", ".join(f"{link.name} udp {link.local_port} to {link.remote[1]}" for link in links)
+    return ", ".join(link.describe() for link in links)
 
 
 def _run(server: "Server") -> int:

@@ -38,6 +38,7 @@ class Options:
     home: Vector3
     log: Path | None
     gcs_ports: tuple[int, int]  # local, remote
+    signing_key: Path | None
     api_ports: tuple[int, int]
     camera_port: int
     verbosity: int  # -1 quiet, 0, 1 verbose
@@ -79,6 +80,7 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
         log=given.log,
         gcs_ports=given.gcs_link or (GCS_PORTS[0] + instance, GCS_PORTS[1]),
         api_ports=given.api_link
+        signing_key=given.signing_key,
         or (API_PORTS[0] + instance, min(API_PORTS[1] + instance, API_REMOTE_LAST)),
         camera_port=_first(given.camera_port, None, CAMERA_PORT + instance),
         verbosity=given.verbose - given.quiet,
@@ -146,6 +148,9 @@ def _add_connections(parser: argparse.ArgumentParser) -> None:
     wire.add_argument("-q", "--quiet", action="count", default=0, help="say only what is wrong")
 
 
+    wire.add_argument(
+        "--signing-key", type=Path, metavar="FILE", help="heed only what is signed with this key"
+    )
 def _first(given: T | None, inherited: T | None, default: T) -> T:
     if given is not None:
         return given

@@ -16,6 +16,7 @@ from sitl.clock import TICK_US
 from sitl.lockstep import Lockstep
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.link import Link
+from sitl.mavlink.refusals import Refusals
 from sitl.mavlink.tlog import TlogWriter
 from sitl.pacing import Pace
 from sitl.records import Frame
@@ -72,6 +73,7 @@ class Server:
         self._was_free = True
         self._heartbeat_s = self._flush_s = clock()
         self._tlog: TlogWriter | None = None
+        self._refusals = Refusals()
         self._stopping = False
         self._selector = selectors.DefaultSelector()
         for link in links:
@@ -82,7 +84,11 @@ class Server:
         """Record all traffic from now on; flushed every second."""
         self._tlog = tlog
         for link in self._links:
-            link.tap = tlog
+            link.add_tap(tlog)
+
+    def watch_refusals(self, refusals: Refusals) -> None:
+        """Say now and then what was refused."""
+        self._refusals = refusals
 
     def stop(self) -> None:
         """Let `run` return soon; may be called from a signal handler."""
@@ -98,6 +104,7 @@ class Server:
             else:
                 self._run_lockstep(self._lockstep)
             self._flush()
+        self._refusals.report_all()
         self._selector.close()
 
     def _run_paced(self, pace: Pace) -> None:
@@ -172,9 +179,10 @@ class Server:
             self._stream.publish(frame)
 
     def _flush(self) -> None:
-        if self._tlog is None:
-            return
         now_s = self._clock()
-        if now_s - self._flush_s >= FLUSH_S:
-            self._flush_s = now_s
+        if now_s - self._flush_s < FLUSH_S:
+            return
+        self._flush_s = now_s
+        self._refusals.report(now_s)
+        if self._tlog is not None:
             self._tlog.flush()

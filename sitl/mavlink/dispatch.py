@@ -15,6 +15,7 @@ from sitl.mavlink.parameter_server import ParameterServer
 from sitl.mavlink.referee_component import RefereeComponent
 from sitl.mavlink.request import Request
 from sitl.mavlink.setpoint_server import SetpointServer
+from sitl.mavlink.signing_server import SigningServer
 from sitl.mavlink.vehicle import Vehicle
 
 COMMANDS = {mavlink.MAVLINK_MSG_ID_COMMAND_LONG, mavlink.MAVLINK_MSG_ID_COMMAND_INT}
@@ -32,6 +33,7 @@ class Servers:
     parameters: ParameterServer
     setpoints: SetpointServer
     ground_station: GroundStationWatch
+    signing: SigningServer
 
 
 class Dispatcher:
@@ -89,6 +91,7 @@ class Dispatcher:
             mavlink.MAVLINK_MSG_ID_MISSION_CLEAR_ALL: mission_server.answer_clear,
             mavlink.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL: file_server.answer_file_transfer,
             mavlink.MAVLINK_MSG_ID_LOG_REQUEST_LIST: file_server.answer_log_list,
+            mavlink.MAVLINK_MSG_ID_SETUP_SIGNING: self._servers.signing.set_up,
         }
 
     def _request(self, received: Received, link: Link, component: int) -> Request:

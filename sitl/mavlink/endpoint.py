@@ -14,11 +14,12 @@ from sitl.mavlink.dispatch import Dispatcher, Servers
 from sitl.mavlink.forwarding import Forwarder
 from sitl.mavlink.ground_station import GroundStationWatch
 from sitl.mavlink.health import heartbeat_now
-from sitl.mavlink.link import Link
+from sitl.mavlink.link import Guard, Link
 from sitl.mavlink.outgoing import Outgoing, Port
 from sitl.mavlink.parameter_server import ParameterServer
 from sitl.mavlink.referee_component import RefereeComponent
 from sitl.mavlink.setpoint_server import SetpointServer
+from sitl.mavlink.signing_server import SigningServer
 from sitl.mavlink.vehicle import Vehicle
 from sitl.mavlink.view import View
 from sitl.records import Frame
@@ -37,7 +38,10 @@ class Endpoint:
         system: int,
         camera: CameraFacts,
         unix_epoch_us: int = 0,
+        guard: Guard | None = None,
     ) -> None:
+        """Serve the vehicle on its links, which share the guard."""
+        guard = guard or Guard()
         self._vehicle = vehicle
         self._unix_epoch_us = unix_epoch_us
         self._outgoing = Outgoing(links)
@@ -51,6 +55,7 @@ class Endpoint:
             parameters=ParameterServer(vehicle.parameters, self._outgoing.broadcast_packet),
             setpoints=SetpointServer(vehicle),
             ground_station=GroundStationWatch(),
+            signing=SigningServer(vehicle, guard),
         )
         ports = {(link.index, c): Port(link, c) for link in links for c in COMPONENTS}
         self._dispatcher = Dispatcher(vehicle, self._servers, self._outgoing, ports, system=system)

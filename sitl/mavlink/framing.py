@@ -38,6 +38,11 @@ class Received(NamedTuple):
     system: int
     component: int
 
+    @property
+    def is_signed(self) -> bool:
+        """Whether the frame carries a signature, good or bad."""
+        return self.raw[0] == MAGIC_V2 and bool(self.raw[2] & SIGNED)
+
 
 _codec = mavlink.MAVLink(None)  # stateless as used here: no key, sequence numbers ignored
 
@@ -48,14 +53,16 @@ def pack(message: Message) -> Packet:
     return Packet(message.get_msgId(), payload.rstrip(b"\0") or b"\0", message.crc_extra)
 
 
-def frame(packet: Packet, *, sequence: int, system: int, component: int) -> bytes:
-    """Wrap a packet in MAVLink 2 header and checksum."""
+def frame(
+    packet: Packet, *, sequence: int, system: int, component: int, is_signed: bool = False
+) -> bytes:
+    """Wrap a packet in MAVLink 2 header and checksum; a signature is still to be added."""
     message_id, payload, crc_extra = packet
     body = (
         HEADER.pack(
             MAGIC_V2,
             len(payload),
-            0,
+            SIGNED if is_signed else 0,
             0,
             sequence,
             system,

@@ -1,35 +1,20 @@
-"""One MAVLink link over UDP: who it talks to, and its sequence numbers.
+"""One MAVLink link: sequence numbers, signatures, and a copy for whoever keeps the log.
 
-A link sends unprompted to its default remote, as PX4 does. The first sender of a valid frame
-becomes its partner for good: later senders are obeyed, but the answers go to the partner.
+What carries the bytes are its subclasses, `UdpLink` and `TcpLink`.
 """
 
-import errno
-import socket
+from abc import ABC, abstractmethod
 from collections.abc import Iterable
-from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
-from sitl.errors import LinkError
 from sitl.mavlink.dialect import AUTOPILOT, Message
-from sitl.mavlink.framing import Packet, Received, frame, pack, split
+from sitl.mavlink.framing import Packet, Received, frame, pack
+from sitl.mavlink.refusals import Refusals
+from sitl.mavlink.signing import Signing
 
 LOOPBACK = "127.0.0.1"
-RECEIVE_BYTES = 2048  # a MAVLink frame has at most 280; longer datagrams are cut
-RECEIVE_BUFFER_BYTES = 1 << 20
 MAX_DATAGRAM_BYTES = 1400  # below any usual network's limit
-
-Address = tuple[str, int]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LinkConfig:
-    """Where a link listens and whom it greets."""
-
-    name: str
-    local_port: int  # 0: any free port
-    remote_port: int
 
 
 class Tap(Protocol):
@@ -39,44 +24,60 @@ class Tap(Protocol):
         """Take one frame of link number `link`."""
 
 
-class Link:
-    """A non-blocking UDP socket that speaks MAVLink 2."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Guard:
+    """What all links of a vehicle share to keep others out."""
 
-    def __init__(self, config: LinkConfig, *, system: int, index: int = 0) -> None:
-        """Bind the local port.
+    signing: Signing = field(default_factory=Signing)
+    refusals: Refusals = field(default_factory=Refusals)
 
-        Raises:
-            LinkError: the port cannot be had.
 
-        """
-        self.name = config.name
+class Link(ABC):
+    """A way for MAVLink 2 frames in and out; never waits, never raises for what comes in."""
+
+    def __init__(self, name: str, *, system: int, index: int, guard: Guard | None = None) -> None:
+        """Name and number the link; links of one vehicle share a guard."""
+        self.name = name
         self.index = index
         self.gcs_heard = False  # a ground station's HEARTBEAT came in: it wants STATUSTEXT
-        self.tap: Tap | None = None
+        self._taps: tuple[Tap, ...] = ()
         self._system = system
-        self._remote: Address = (LOOPBACK, config.remote_port)
-        self._has_partner = False
+        self._guard = guard or Guard()
         self._sequences: dict[int, int] = {}
         self._texts = 0
-        self._socket = _bind(config)
 
+    @abstractmethod
     def close(self) -> None:
         """Free the port."""
-        self._socket.close()
 
+    @abstractmethod
     def fileno(self) -> int:
         """For a selector."""
-        return self._socket.fileno()
+
+    @abstractmethod
+    def describe(self) -> str:
+        """Say what the link opens, for the vehicle's first line."""
 
     @property
-    def local_port(self) -> int:
-        """The bound port."""
-        return int(self._socket.getsockname()[1])
+    def is_open(self) -> bool:
+        """Whether anybody may hear what is sent."""
+        return True
 
-    @property
-    def remote(self) -> Address:
-        """Where this link's messages go now."""
-        return self._remote
+    @abstractmethod
+    def _transmit(self, data: bytes) -> None:
+        """Send; what cannot be sent now is lost."""
+
+    @abstractmethod
+    def _take(self) -> list[Received] | None:
+        """Take what has come in, up to one datagram; None if nothing waits."""
+
+    @abstractmethod
+    def _adopt_sender(self) -> None:
+        """Note that who sent last has sent something good."""
+
+    def add_tap(self, tap: Tap) -> None:
+        """Let somebody keep a copy of all traffic from now on."""
+        self._taps += (tap,)
 
     def send(self, message: Message, component: int = AUTOPILOT) -> None:
         """Send a message as one of the vehicle's components."""
@@ -84,37 +85,30 @@ class Link:
 
     def send_packet(self, packet: Packet, component: int = AUTOPILOT) -> None:
         """Send a packed message as one of the vehicle's components."""
-        self.send_raw(self._frame(packet, component))
+        if self.is_open:
+            self.send_raw(self._frame(packet, component))
 
     def send_together(self, packets: Iterable[Packet]) -> None:
         """Send the autopilot's packed messages in as few datagrams as hold them."""
+        if not self.is_open:
+            return
         datagram = b""
         for packet in packets:
             raw = self._frame(packet, AUTOPILOT)
-            if self.tap is not None:
-                self.tap.record(raw, link=self.index)
+            for tap in self._taps:
+                tap.record(raw, link=self.index)
             if len(datagram) + len(raw) > MAX_DATAGRAM_BYTES:
-                self._send(datagram)
+                self._transmit(datagram)
                 datagram = b""
             datagram += raw
         if datagram:
-            self._send(datagram)
+            self._transmit(datagram)
 
     def send_raw(self, raw: bytes) -> None:
         """Send a whole frame as it is."""
-        if self.tap is not None:
-            self.tap.record(raw, link=self.index)
-        self._send(raw)
-
-    def _frame(self, packet: Packet, component: int) -> bytes:
-        sequence = self._sequences.get(component, 0)
-        self._sequences[component] = (sequence + 1) & 0xFF
-        return frame(packet, sequence=sequence, system=self._system, component=component)
-
-    def _send(self, datagram: bytes) -> None:
-        """Send; a full or unreachable destination loses it, as UDP does."""
-        with suppress(OSError):
-            self._socket.sendto(datagram, self._remote)
+        for tap in self._taps:
+            tap.record(raw, link=self.index)
+        self._transmit(raw)
 
     def next_text_id(self) -> int:
         """Give the number of this link's next text; PX4 counts them from 0."""
@@ -123,32 +117,31 @@ class Link:
         return number
 
     def receive(self) -> list[Received] | None:
-        """Take one datagram: its messages, or None if nothing waits. Never raises."""
-        try:
-            datagram, sender = self._socket.recvfrom(RECEIVE_BYTES)
-        except OSError:
+        """Take what has come in, up to one datagram: the frames that may be heeded."""
+        arrived = self._take()
+        if arrived is None:
             return None
-        messages = split(datagram)
-        if messages and not self._has_partner:
-            self._remote, self._has_partner = sender, True
-        if self.tap is not None:
-            for received in messages:
-                self.tap.record(received.raw, link=self.index)
+        messages = [received for received in arrived if self._accepts(received)]
+        if any(received.is_signed or not self._guard.signing.is_on for received in messages):
+            self._adopt_sender()
+        for received in messages:
+            for tap in self._taps:
+                tap.record(received.raw, link=self.index)
         return messages
 
+    def _accepts(self, received: Received) -> bool:
+        refusal = self._guard.signing.judge(received)
+        if refusal is not None:
+            self._guard.refusals.note([refusal])
+        return refusal is None
 
-def _bind(config: LinkConfig) -> socket.socket:
-    udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    udp.settimeout(0.0)
-    udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER_BYTES)
-    try:
-        udp.bind((LOOPBACK, config.local_port))
-    except OSError as error:
-        udp.close()
-        if error.errno == errno.EADDRINUSE:
-            raise LinkError(
-                f"UDP port {config.local_port} is in use: another vehicle probably runs; "
-                "choose another with --instance"
-            ) from None
-        raise LinkError(f"UDP port {config.local_port}: {error.strerror}") from None
-    return udp
+    def _frame(self, packet: Packet, component: int) -> bytes:
+        sequence = self._sequences.get(component, 0)
+        self._sequences[component] = (sequence + 1) & 0xFF
+        signing = self._guard.signing
+        if not signing.is_on:
+            return frame(packet, sequence=sequence, system=self._system, component=component)
+        raw = frame(
+            packet, sequence=sequence, system=self._system, component=component, is_signed=True
+        )
+        return raw + signing.signature(raw, self.index)

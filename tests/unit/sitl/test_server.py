@@ -13,7 +13,7 @@ from sitl.mavlink.camera_component import CameraFacts
 from sitl.mavlink.dialect import mavlink
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.framing import frame, pack, split
-from sitl.mavlink.link import Link, LinkConfig
+from sitl.mavlink.udp_link import LinkConfig, UdpLink
 from sitl.records import Frame
 from sitl.server import Server
 from tests.unit.sitl.mavlink.fakes import FakeVehicle
@@ -59,7 +59,7 @@ class WallClock:
 class Companion:
     """Looks at the images and answers them."""
 
-    def __init__(self, stream: CameraStream, link: Link, udp: socket.socket) -> None:
+    def __init__(self, stream: CameraStream, link: UdpLink, udp: socket.socket) -> None:
         self.udp = udp
         self.vehicle = ("127.0.0.1", link.local_port)
         self.tcp = socket.create_connection(("127.0.0.1", stream.port))
@@ -88,7 +88,7 @@ class Bench:
         self.udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.udp.bind(("127.0.0.1", 0))
         self.udp.settimeout(0.0)
-        self.link = Link(
+        self.link = UdpLink(
             LinkConfig(name="api", local_port=0, remote_port=self.udp.getsockname()[1]),
             system=1,
             index=1,
@@ -101,7 +101,7 @@ class Bench:
             field_of_view_deg=90,
             rate_hz=20.0,
         )
-        ground = Link(LinkConfig(name="gcs", local_port=0, remote_port=9), system=1, index=0)
+        ground = UdpLink(LinkConfig(name="gcs", local_port=0, remote_port=9), system=1, index=0)
         links = [ground, self.link]
         self.links = links
         self.clock = WallClock()

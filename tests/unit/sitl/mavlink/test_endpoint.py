@@ -15,7 +15,7 @@ from sitl.mavlink.camera_component import CameraFacts
 from sitl.mavlink.dialect import AUTOPILOT, CAMERA, REFEREE, mavlink
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.framing import Packet, Received, frame, pack, split
-from sitl.mavlink.link import Link, LinkConfig
+from sitl.mavlink.udp_link import LinkConfig, UdpLink
 from sitl.records import CourseEvent, CourseEventKind, Frame, StatusText
 from tests.unit.sitl.mavlink.fakes import FakeVehicle
 
@@ -37,7 +37,7 @@ class Client:
         self.socket.bind(("127.0.0.1", 0))
         self.socket.settimeout(0.0)
         self.port: int = self.socket.getsockname()[1]
-        self.link: Link
+        self.link: UdpLink
 
     def send_raw(self, raw: bytes) -> None:
         self.socket.sendto(raw, ("127.0.0.1", self.link.local_port))
@@ -64,7 +64,7 @@ class Bench:
         self.gcs, self.api = Client(), Client()
         for index, client in enumerate((self.gcs, self.api)):
             config = LinkConfig(name=str(index), local_port=0, remote_port=client.port)
-            client.link = Link(config, system=1, index=index)
+            client.link = UdpLink(config, system=1, index=index)
         self.links = [self.gcs.link, self.api.link]
         self.endpoint = Endpoint(self.vehicle, self.links, system=1, camera=FACTS)
 

@@ -6,7 +6,7 @@ import pytest
 from sitl.mavlink.dialect import mavlink
 from sitl.mavlink.forwarding import MAX_COMPONENTS, Forwarder
 from sitl.mavlink.framing import frame, pack, split
-from sitl.mavlink.link import Link, LinkConfig
+from sitl.mavlink.udp_link import LinkConfig, UdpLink
 
 PING = mavlink.MAVLink_ping_message(1, 1, 0, 0)
 
@@ -20,7 +20,7 @@ class Pair:
         self.far.settimeout(0.0)
         ports = (9, self.far.getsockname()[1])
         self.links = [
-            Link(LinkConfig(name="link", local_port=0, remote_port=port), system=1, index=index)
+            UdpLink(LinkConfig(name="link", local_port=0, remote_port=port), system=1, index=index)
             for index, port in enumerate(ports)
         ]
         self.forwarder = Forwarder(self.links, system=1)

@@ -5,7 +5,7 @@ import pytest
 from sitl.errors import LinkError
 from sitl.mavlink.dialect import CAMERA, mavlink
 from sitl.mavlink.framing import frame, pack, split
-from sitl.mavlink.link import Link, LinkConfig
+from sitl.mavlink.udp_link import LinkConfig, UdpLink
 
 HEARTBEAT = mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
 VALID = frame(pack(HEARTBEAT), sequence=0, system=255, component=190)
@@ -26,7 +26,7 @@ class Peer:
     def __exit__(self, *_: object) -> None:
         self.socket.close()
 
-    def send(self, data: bytes, link: Link) -> None:
+    def send(self, data: bytes, link: UdpLink) -> None:
         self.socket.sendto(data, ("127.0.0.1", link.local_port))
 
     def receive(self) -> bytes:
@@ -41,8 +41,8 @@ class Peer:
         return False
 
 
-def make_link(remote_port: int) -> Link:
-    return Link(LinkConfig(name="gcs", local_port=0, remote_port=remote_port), system=3)
+def make_link(remote_port: int) -> UdpLink:
+    return UdpLink(LinkConfig(name="gcs", local_port=0, remote_port=remote_port), system=3)
 
 
 def test_sends_unprompted_until_the_first_valid_frame_names_the_partner() -> None:
@@ -96,9 +96,9 @@ def test_a_tap_sees_both_directions() -> None:
 
     with Peer() as peer:
         config = LinkConfig(name="api", local_port=0, remote_port=peer.port)
-        link = Link(config, system=1, index=1)
+        link = UdpLink(config, system=1, index=1)
         tap = Tap()
-        link.tap = tap
+        link.add_tap(tap)
         peer.send(VALID + b"junk", link)
         link.receive()
         link.send(HEARTBEAT)
@@ -110,4 +110,4 @@ def test_a_busy_port_is_refused_with_the_remedy() -> None:
     with Peer() as peer:
         config = LinkConfig(name="gcs", local_port=peer.port, remote_port=9)
         with pytest.raises(LinkError, match=f"{peer.port} is in use.*--instance"):
-            Link(config, system=1)
+            UdpLink(config, system=1)
