@@ -61,6 +61,7 @@ def _make_simulation(options: Options) -> Simulation:
             laps=options.laps,
             home=options.home,
             gui=options.gui,
+            perfect_estimate=options.perfect_estimate,
         )
     )
     for name, text in options.parameters.items():

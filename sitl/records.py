@@ -28,6 +28,39 @@ class VehicleState(NamedTuple):
     specific_force_frd: Vector3  # m/s2, what an ideal accelerometer reads
 
 
+class SensorHealth(NamedTuple):
+    """Which sensors give readings that make sense."""
+
+    gyro: bool = True
+    accelerometer: bool = True
+    magnetometer: bool = True
+    barometer: bool = True
+    gps: bool = True
+
+
+class GpsReading(NamedTuple):
+    """One fix of the satellite receiver, its position already in the local frame."""
+
+    time_us: int
+    position_ned: Vector3  # m
+    velocity_ned: Vector3  # m/s
+    fix_type: int  # GPS_FIX_TYPE
+    satellites: int
+
+
+class Readings(NamedTuple):
+    """What each sensor read last, with its noise and bias."""
+
+    rates_frd: Vector3  # rad/s
+    specific_force_frd: Vector3  # m/s2
+    field_frd: Vector3  # gauss
+    pressure_hpa: float
+    pressure_altitude_m: float  # AMSL, of the standard atmosphere
+    temperature_c: float
+    gps: GpsReading
+    health: SensorHealth
+
+
 class Estimate(NamedTuple):
     """What the autopilot believes; never the truth itself."""
 
@@ -40,6 +73,7 @@ class Estimate(NamedTuple):
     attitude_valid: bool
     position_valid: bool  # horizontal position and velocity
     altitude_valid: bool
+    sensors: SensorHealth = SensorHealth()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

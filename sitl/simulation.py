@@ -13,10 +13,19 @@ from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters
 from sitl.clock import TICK_US, Schedule
 from sitl.frames import quaternion_from_euler
-from sitl.records import CourseEvent, CourseStatus, Estimate, Frame, Vector3, VehicleState
+from sitl.records import (
+    CourseEvent,
+    CourseStatus,
+    Estimate,
+    Frame,
+    Readings,
+    Vector3,
+    VehicleState,
+)
 from sitl.sensors.camera import Camera
-from sitl.sensors.estimator import Estimator
+from sitl.sensors.estimator import Estimator, PerfectEstimator
 from sitl.sensors.look import draw_look
+from sitl.sensors.suite import Sensors
 from sitl.world.airframe import load_airframe
 from sitl.world.referee import Referee
 from sitl.world.track import Direction, make_track
@@ -24,14 +33,15 @@ from sitl.world.world import World
 
 CAMERA_RATE_HZ = 20
 HOME = (47.397742, 8.545594, 489.4)  # deg, deg, m AMSL; PX4's default
-LOOK_STREAM = 0x100C  # separates the draw of the look from other uses of the vehicle's seed
+# These separate the uses of the vehicle's seed from each other.
+LOOK_STREAM, SENSOR_STREAM, ESTIMATE_STREAM = 0x100C, 0x5E45, 0xE571
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SimulationConfig:
     """All that a flight depends on, apart from what is sent to the vehicle."""
 
-    seed: int = 0  # of the vehicle and the day: look, later sensor noise
+    seed: int = 0  # of the vehicle and the day: look, sensor noise, the estimate's errors
     track_seed: int = 0
     noise_m: tuple[float, float] = (1.0, 2.0)  # GRN, GHN: gate radius and height
     direction: Direction = "cw"
@@ -39,6 +49,7 @@ class SimulationConfig:
     first_gate: int = 0  # the gate that is due first
     home: Vector3 = HOME
     airframe: str = "x500"
+    perfect_estimate: bool = False  # the autopilot knows the truth
     gui: bool = False
 
 
@@ -73,7 +84,8 @@ class Simulation:
         first = config.first_gate
         self.course_gates = self.track.gates[first:] + self.track.gates[:first]
         self._referee = Referee(self.course_gates, config.laps)
-        self._estimator = Estimator()
+        self._sensors = Sensors([config.seed, SENSOR_STREAM], altitude_m=config.home[2])
+        self._estimator = self._make_estimator()
         look = draw_look(np.random.default_rng([config.seed, LOOK_STREAM]))
         self._camera = Camera(self.track.gates, look)
         self._frames = Schedule(CAMERA_RATE_HZ)
@@ -82,7 +94,8 @@ class Simulation:
         self._hover_thrust = airframe.hover_thrust
         self.time_us = 0
         self.state: VehicleState = self._world.body.state(0)
-        self.estimate: Estimate = self._estimator.update(self.state)
+        self.readings: Readings = self._sensors.update(self.state)
+        self.estimate: Estimate = self._estimator.update(self.state, self.readings)
 
     def close(self) -> None:
         """Free the physics engine and the renderer."""
@@ -98,7 +111,7 @@ class Simulation:
         self._events += self._referee.update(
             previous.position_ned, self.state.position_ned, contact=self._world.touches_gate()
         )
-        self.estimate = self._estimator.update(self.state)
+        self._sense()
 
     @property
     def course(self) -> CourseStatus:
@@ -131,5 +144,17 @@ class Simulation:
             thrust=self._hover_thrust,
         )
         self.state = self._world.body.state(self.time_us)
-        self.estimate = self._estimator.update(self.state)
+        self._estimator.align()
+        self._sense()
         self.autopilot.start_airborne()
+
+    def _sense(self) -> None:
+        self.readings = self._sensors.update(self.state)
+        self.estimate = self._estimator.update(self.state, self.readings)
+
+    def _make_estimator(self) -> Estimator | PerfectEstimator:
+        if self.config.perfect_estimate:
+            return PerfectEstimator()
+        imu = self._sensors.imu
+        rng = np.random.default_rng([self.config.seed, ESTIMATE_STREAM])
+        return Estimator(rng, imu.gyro_bias_frd, imu.accelerometer_bias_frd)

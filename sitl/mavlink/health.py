@@ -2,11 +2,13 @@
 
 from sitl.mavlink.dialect import Message, mavlink
 from sitl.mavlink.view import View
+from sitl.records import SensorHealth
 
 MAVLINK_VERSION = 3
 SENSORS_PRESENT = 0x0300402F  # MAV_SYS_STATUS_SENSOR, these three as a running PX4 showed them
 SENSORS_ENABLED = 0x0301402F
 SENSORS_HEALTHY = 0x1320C83F
+SENSOR_GYRO, SENSOR_ACCELEROMETER, SENSOR_MAGNETOMETER, SENSOR_BAROMETER = 1, 2, 4, 8
 SENSOR_GPS = 0x20
 SENSOR_ATTITUDE = 0x0800 | 0x200000  # stabilisation and AHRS
 SENSOR_POSITION = 0x4000  # horizontal position control
@@ -64,7 +66,7 @@ def component_heartbeat(component_type: int) -> Message:
 def sys_status(view: View) -> Message:
     """SYS_STATUS: which sensors are there and healthy, and whether the vehicle can be armed."""
     status = view.status
-    healthy = SENSORS_HEALTHY
+    healthy = SENSORS_HEALTHY & ~_failed(view.estimate.sensors)
     if not status.attitude_valid:
         healthy &= ~SENSOR_ATTITUDE
     if not status.position_valid:
@@ -81,6 +83,18 @@ def sys_status(view: View) -> Message:
         100,
         *(0,) * 6,
     )
+
+
+def _failed(sensors: SensorHealth) -> int:
+    """MAV_SYS_STATUS_SENSOR bits of the sensors that don't read what makes sense."""
+    bits = {
+        SENSOR_GYRO: sensors.gyro,
+        SENSOR_ACCELEROMETER: sensors.accelerometer,
+        SENSOR_MAGNETOMETER: sensors.magnetometer,
+        SENSOR_BAROMETER: sensors.barometer,
+        SENSOR_GPS: sensors.gps,
+    }
+    return sum(bit for bit, is_healthy in bits.items() if not is_healthy)
 
 
 def battery_status(_view: View) -> Message:

@@ -2,7 +2,15 @@
 
 from typing import Protocol
 
-from sitl.records import CourseEvent, CourseStatus, Estimate, Gate, StatusText, VehicleState
+from sitl.records import (
+    CourseEvent,
+    CourseStatus,
+    Estimate,
+    Gate,
+    Readings,
+    StatusText,
+    VehicleState,
+)
 from sitl.vehicle_records import (
     Command,
     CommandResult,
@@ -73,6 +81,10 @@ class Vehicle(Protocol):
     @property
     def estimate(self) -> Estimate:
         """What the autopilot believes."""
+
+    @property
+    def readings(self) -> Readings:
+        """What the sensors read."""
 
     @property
     def autopilot(self) -> Autopilot:

@@ -19,6 +19,7 @@ class View:
         self.unix_us = unix_epoch_us + vehicle.time_us
         self.estimate = vehicle.estimate
         self.truth = vehicle.state
+        self.readings = vehicle.readings
 
     @cached_property
     def status(self) -> VehicleStatus:

@@ -1,28 +1,119 @@
-"""The state estimate that the autopilot flies by: for now the truth, once it has settled.
+"""The state estimate that the autopilot flies by: the truth, late, with slow errors and flags.
 
-The flags become true a fixed time after boot, as they do while an EKF aligns itself.
+A model of how a Kalman filter behaves, not a filter: its errors are drawn (see `drift`), and what
+a failed sensor does to a filter is done to them. The flags become true a fixed time after boot, as
+they do while a filter aligns itself, and false once an aid has been missing for too long.
 """
 
-from sitl.records import Estimate, VehicleState
+import numpy as np
+
+from sitl.records import Estimate, Readings, SensorHealth, Vector3, VehicleState
+from sitl.sensors.drift import Drift
+from sitl.sensors.noise import normals
 
 ATTITUDE_VALID_US = 200_000  # assumption: tilt alignment of a still vehicle
 ALTITUDE_VALID_US = 600_000  # assumption: barometer
 POSITION_VALID_US = 1_000_000  # assumption: GPS; a real EKF takes some 8 s
+NO_AID_US = 5_000_000  # PX4 EKF2_NOAID_TOUT: dead reckoning counts as valid for this long
+HEALTHY = SensorHealth()
+
+
+class PerfectEstimator:
+    """Gives the truth at once; only the flags are those of a real one."""
+
+    def __init__(self, *, aligned: bool = False) -> None:
+        self._validity = _Validity(aligned=aligned)
+
+    def align(self) -> None:
+        """Be aligned at once, as a vehicle is that starts in the air."""
+        self._validity.aligned = True
+
+    def update(self, state: VehicleState, readings: Readings | None = None) -> Estimate:
+        """Estimate the state at `state.time_us`."""
+        sensors = HEALTHY if readings is None else readings.health
+        return Estimate(*state, *self._validity.update(state.time_us, readings), sensors)
 
 
 class Estimator:
-    """Turns the true state into what the autopilot believes."""
+    """Turns the true state and the sensors' readings into what the autopilot believes.
 
-    def __init__(self, *, aligned: bool = False) -> None:
-        self._aligned = aligned
+    It is one tick late, and has learnt the inertial unit's biases.
+    """
 
-    def update(self, state: VehicleState) -> Estimate:
-        """Estimate the state at `state.time_us`; a vehicle that starts in the air is aligned."""
-        time_us = state.time_us
-        aligned = self._aligned
-        return Estimate(
-            *state,
-            aligned or time_us >= ATTITUDE_VALID_US,
-            aligned or time_us >= POSITION_VALID_US,
-            aligned or time_us >= ALTITUDE_VALID_US,
+    def __init__(
+        self, rng: np.random.Generator, gyro_bias_frd: Vector3, accelerometer_bias_frd: Vector3
+    ) -> None:
+        self._gyro_bias, self._accelerometer_bias = gyro_bias_frd, accelerometer_bias_frd
+        self._drift = Drift(normals(rng))
+        self._validity = _Validity(aligned=False)
+        self._located = True
+        self._previous: tuple[VehicleState, Readings] | None = None
+
+    def align(self) -> None:
+        """Be aligned at once, and forget the last tick: the vehicle has been put elsewhere."""
+        self._validity.aligned = True
+        self._previous = None
+
+    def update(self, state: VehicleState, readings: Readings) -> Estimate:
+        """Estimate the state at `state.time_us`."""
+        drift, sensors = self._drift, readings.health
+        flags = self._validity.update(state.time_us, readings)
+        if sensors.gps and not self._located:
+            drift.restart_xy()
+        self._located = flags[1] or state.time_us < POSITION_VALID_US
+        drift.advance(
+            xy_aided=sensors.gps,
+            z_aided=sensors.gps or sensors.barometer,
+            heading_aided=sensors.magnetometer,
         )
+        seen, sensed = self._previous or (state, readings)
+        self._previous = (state, readings)
+        return Estimate(
+            state.time_us,
+            _add(seen.position_ned, drift.position_ned),
+            _add(seen.velocity_ned, drift.velocity_ned),
+            drift.turn(seen.q_ned_frd),
+            _subtract(sensed.rates_frd, self._gyro_bias),
+            _subtract(sensed.specific_force_frd, self._accelerometer_bias),
+            *flags,
+            sensors,
+        )
+
+
+class _Validity:
+    """Says what the estimate is good for."""
+
+    def __init__(self, *, aligned: bool) -> None:
+        self.aligned = aligned
+        self._gps_us = self._height_us = 0  # when each aid was last there
+
+    def update(self, time_us: int, readings: Readings | None) -> tuple[bool, bool, bool]:
+        """Give the validity of attitude, horizontal position and altitude."""
+        inertial = True
+        if readings is None:
+            self._gps_us = self._height_us = time_us
+        else:
+            sensors = readings.health
+            inertial = sensors.gyro and sensors.accelerometer
+            if sensors.gps:
+                self._gps_us = self._height_us = time_us
+            elif sensors.barometer:
+                self._height_us = time_us
+        aligned = self.aligned
+        return (
+            inertial and (aligned or time_us >= ATTITUDE_VALID_US),
+            inertial
+            and (aligned or time_us >= POSITION_VALID_US)
+            and time_us - self._gps_us < NO_AID_US,
+            inertial
+            and (aligned or time_us >= ALTITUDE_VALID_US)
+            and time_us - self._height_us < NO_AID_US,
+        )
+
+
+def _add(a: Vector3, b: Vector3) -> Vector3:
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+def _subtract(a: Vector3, b: Vector3) -> Vector3:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])

@@ -1,4 +1,8 @@
-"""A vehicle over flat ground, in process: body, estimator and autopilot, without sockets."""
+"""A vehicle over flat ground, in process: body, estimator and autopilot, without sockets.
+
+The estimate is the truth, so that a test of control measures the control; noise has tests of its
+own, in `tests/unit/sitl/sensors` and `tests/unit/sitl/test_noisy_flight.py`.
+"""
 
 import math
 from collections.abc import Callable, Iterator
@@ -11,7 +15,7 @@ from sitl.autopilot.parameters import Parameters
 from sitl.clock import TICK_US, Schedule
 from sitl.frames import GRAVITY_M_S2, quaternion_from_euler
 from sitl.records import Estimate, StatusText, Vector3
-from sitl.sensors.estimator import Estimator
+from sitl.sensors.estimator import PerfectEstimator
 from sitl.vehicle_records import Command, OffboardSetpoint
 from sitl.world.airframe import load_airframe
 from sitl.world.body import QuadrotorBody
@@ -46,7 +50,7 @@ class Flight:
         self.time_us = 0
         self.stream: OffboardSetpoint | None = None  # sent at 20 Hz while it is not None
         self.texts: list[tuple[int, StatusText]] = []
-        self._estimator = Estimator()
+        self._estimator = PerfectEstimator()
         self._schedule = Schedule(STREAM_HZ)
         self.estimate: Estimate = self._estimator.update(self.body.state(0))
 
@@ -61,7 +65,7 @@ class Flight:
             q_ned_frd=quaternion_from_euler(0.0, 0.0, yaw_rad),
             thrust=self.airframe.hover_thrust,
         )
-        self._estimator = Estimator(aligned=True)
+        self._estimator = PerfectEstimator(aligned=True)
         self.estimate = self._estimator.update(self.body.state(self.time_us))
         self.autopilot.start_airborne()
 

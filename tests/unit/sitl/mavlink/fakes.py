@@ -14,6 +14,9 @@ from sitl.records import (
     CourseStatus,
     Estimate,
     Gate,
+    GpsReading,
+    Readings,
+    SensorHealth,
     StatusText,
     Vector3,
     VehicleState,
@@ -130,6 +133,16 @@ class FakeVehicle:
         self.time_us = 0
         self.state = VehicleState(0, ZERO, ZERO, IDENTITY, ZERO, LEVEL_FORCE)
         self.estimate = Estimate(0, ZERO, ZERO, IDENTITY, ZERO, LEVEL_FORCE, *(True, True, True))
+        self.readings = Readings(
+            rates_frd=ZERO,
+            specific_force_frd=LEVEL_FORCE,
+            field_frd=(0.2, 0.0, 0.4),
+            pressure_hpa=955.8,
+            pressure_altitude_m=489.6,
+            temperature_c=11.8,
+            gps=GpsReading(0, ZERO, ZERO, fix_type=3, satellites=10),
+            health=SensorHealth(),
+        )
         self.autopilot = FakeAutopilot()
         self.parameters = FakeParameters()
         self.course = CourseStatus(gates_passed=0, gates_total=8, state=CourseState.ACTIVE)

@@ -102,6 +102,10 @@ def turned_and_moving() -> FakeVehicle:
     vehicle.state = vehicle.state._replace(
         position_ned=(10.5, -20.0, -3.0), velocity_ned=(0.0, -2.0, 0.5), q_ned_frd=q
     )
+    gps = vehicle.readings.gps._replace(
+        position_ned=(10.25, -20.0, -3.5), velocity_ned=(0.0, -2.1, 0.5)
+    )
+    vehicle.readings = vehicle.readings._replace(gps=gps)
     return vehicle
 
 
@@ -114,7 +118,7 @@ def test_attitude_and_heading() -> None:
     assert encode("GLOBAL_POSITION_INT", vehicle).hdg == 27000
 
 
-def test_position_is_the_estimate_and_gps_and_ground_truth_are_true() -> None:
+def test_position_is_the_estimate_gps_the_receivers_and_ground_truth_true() -> None:
     vehicle = turned_and_moving()
     local = encode("LOCAL_POSITION_NED", vehicle)
     assert (local.x, local.y, local.z) == (10.0, -20.0, -3.0)
@@ -123,10 +127,11 @@ def test_position_is_the_estimate_and_gps_and_ground_truth_are_true() -> None:
     assert (position.vx, position.vy, position.vz) == (100, 200, -50)
     assert (position.alt, position.relative_alt) == (492600, 3000)
     gps, truth = encode("GPS_RAW_INT", vehicle), encode("HIL_STATE_QUATERNION", vehicle)
-    assert (gps.lat, gps.lon, gps.alt) == (truth.lat, truth.lon, truth.alt)
     half_metre_e7 = 0.5 / 6371000.0 * 180.0 / math.pi * 1e7
-    assert gps.lat - position.lat == pytest.approx(half_metre_e7, abs=1.0)
-    assert (gps.vel, gps.cog) == (200, 27000)
+    assert truth.lat - position.lat == pytest.approx(half_metre_e7, abs=1.0)
+    assert gps.lat - position.lat == pytest.approx(half_metre_e7 / 2, abs=1.0)
+    assert gps.alt - truth.alt == 500
+    assert (gps.vel, gps.cog) == (210, 27000)
     assert (truth.vx, truth.vy, truth.vz) == (0, -200, 50)
 
 
@@ -153,6 +158,25 @@ def test_health_follows_estimate_and_arming_checks() -> None:
     lost = 0x1320C83F & ~encode("SYS_STATUS", vehicle).onboard_control_sensors_health
     assert lost == 0x10000000 | 0x20 | 0x4000 | 0x800 | 0x200000
     assert encode("ESTIMATOR_STATUS", vehicle).flags == 4 | 32
+
+
+@pytest.mark.parametrize(
+    ("sensor", "bit"),
+    [("gyro", 1), ("accelerometer", 2), ("magnetometer", 4), ("barometer", 8), ("gps", 0x20)],
+)
+def test_a_failed_sensor_shows_in_its_health_bit(sensor: str, bit: int) -> None:
+    vehicle = FakeVehicle()
+    sensors = vehicle.estimate.sensors._replace(**{sensor: False})
+    vehicle.estimate = vehicle.estimate._replace(sensors=sensors)
+    assert encode("SYS_STATUS", vehicle).onboard_control_sensors_health == 0x1320C83F & ~bit
+
+
+def test_readings_are_sent_as_they_are() -> None:
+    vehicle = FakeVehicle()
+    imu, air = encode("HIGHRES_IMU", vehicle), encode("SCALED_PRESSURE", vehicle)
+    assert (imu.xmag, imu.zmag) == pytest.approx((0.2, 0.4))
+    assert imu.abs_pressure == air.press_abs == pytest.approx(955.8)
+    assert (imu.pressure_alt, air.temperature) == (pytest.approx(489.6), 1180)
 
 
 def test_a_failsafe_shows_in_current_mode() -> None:

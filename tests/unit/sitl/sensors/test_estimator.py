@@ -1,7 +1,18 @@
+import math
+
+import numpy as np
 import pytest
 
-from sitl.records import VehicleState
-from sitl.sensors.estimator import Estimator
+from sitl.frames import quaternion_from_euler, rotate_inverse
+from sitl.records import Readings, SensorHealth, VehicleState
+from sitl.sensors import drift
+from sitl.sensors.drift import Drift, position_std
+from sitl.sensors.estimator import Estimator, PerfectEstimator
+from sitl.sensors.noise import normals
+from sitl.sensors.suite import Sensors
+
+ALL_WELL = SensorHealth()
+ZERO = (0.0, 0.0, 0.0)
 
 
 def state(time_us: int) -> VehicleState:
@@ -13,6 +24,14 @@ def state(time_us: int) -> VehicleState:
         rates_frd=(0.01, 0.02, 0.03),
         specific_force_frd=(0.0, 0.0, -9.8),
     )
+
+
+def readings(health: SensorHealth = ALL_WELL) -> Readings:
+    return Sensors([0], altitude_m=0.0).update(state(0))._replace(health=health)
+
+
+def make_estimator(seed: int = 0) -> Estimator:
+    return Estimator(np.random.default_rng(seed), ZERO, ZERO)
 
 
 @pytest.mark.parametrize(
@@ -27,18 +46,116 @@ def state(time_us: int) -> VehicleState:
     ],
 )
 def test_becomes_valid_step_by_step(time_us, attitude, altitude, position):
-    estimate = Estimator().update(state(time_us))
-    assert estimate.attitude_valid is attitude
-    assert estimate.altitude_valid is altitude
-    assert estimate.position_valid is position
+    for estimate in (
+        PerfectEstimator().update(state(time_us)),
+        make_estimator().update(state(time_us), readings()),
+    ):
+        assert estimate.attitude_valid is attitude
+        assert estimate.altitude_valid is altitude
+        assert estimate.position_valid is position
 
 
 def test_a_start_in_the_air_is_aligned():
-    estimate = Estimator(aligned=True).update(state(0))
-    assert estimate.attitude_valid
-    assert estimate.position_valid
-    assert estimate.altitude_valid
+    late = make_estimator()
+    late.align()
+    for estimate in (
+        PerfectEstimator(aligned=True).update(state(0)),
+        late.update(state(0), readings()),
+    ):
+        assert estimate.attitude_valid
+        assert estimate.position_valid
+        assert estimate.altitude_valid
 
 
-def test_gives_the_state():
-    assert Estimator().update(state(4000))[:6] == state(4000)
+def test_the_perfect_estimate_is_the_state():
+    assert PerfectEstimator().update(state(4000))[:6] == state(4000)
+
+
+def test_is_one_tick_late():
+    estimator = make_estimator()
+    estimator.update(state(0), readings())
+    jumped = state(4000)._replace(position_ned=(101.0, 2.0, -3.0))
+    estimate = estimator.update(jumped, readings())
+    assert estimate.time_us == 4000
+    assert estimate.position_ned[0] == pytest.approx(1.0, abs=1.0)
+    assert estimator.update(jumped, readings()).position_ned[0] == pytest.approx(101.0, abs=1.0)
+
+
+def test_the_biases_of_the_inertial_unit_are_learnt():
+    sensors = Sensors([5], altitude_m=0.0)
+    imu = sensors.imu
+    estimator = Estimator(np.random.default_rng(0), imu.gyro_bias_frd, imu.accelerometer_bias_frd)
+    rates = [
+        estimator.update(state(4000 * tick), sensors.update(state(4000 * tick))).rates_frd
+        for tick in range(2000)
+    ]
+    assert np.mean(rates, axis=0) == pytest.approx((0.01, 0.02, 0.03), abs=1e-4)
+
+
+def test_errors_are_as_large_as_in_a_hover_of_a_running_px4():
+    errors = [Drift(normals(np.random.default_rng(seed))) for seed in range(200)]
+    for error in errors:
+        for _ in range(2500):
+            error.advance(xy_aided=True, z_aided=True, heading_aided=True)
+    positions = np.array([error.position_ned for error in errors])
+    velocities = np.array([error.velocity_ned for error in errors])
+    expected = position_std(drift.VELOCITY_XY, drift.PULL_XY_S)
+    assert positions.std(axis=0)[:2] == pytest.approx(expected, rel=0.25)  # 5 sigma of 200
+    assert 0.2 < math.hypot(expected, expected) < 0.3  # m, seen horizontally
+    assert velocities.std(axis=0) == pytest.approx((0.04, 0.04, 0.02), rel=0.25)
+
+
+def test_the_velocity_error_is_what_moves_the_position_error():
+    error = Drift(normals(np.random.default_rng(1)))
+    x0 = error.position_ned[0]
+    moved = pulled = 0.0
+    for _ in range(250):
+        pulled -= error.position_ned[0] / drift.PULL_XY_S * 0.004
+        error.advance(xy_aided=True, z_aided=True, heading_aided=True)
+        moved += error.velocity_ned[0] * 0.004
+    assert error.position_ned[0] - x0 == pytest.approx(moved + pulled, abs=1e-9)
+
+
+def test_the_attitude_error_is_a_small_turn():
+    error = Drift(normals(np.random.default_rng(2)))
+    q = quaternion_from_euler(0.3, -0.2, 2.0)
+    turned = error.turn(q)
+    assert math.hypot(*turned) == pytest.approx(1.0)
+    assert abs(math.acos(min(1.0, abs(sum(a * b for a, b in zip(q, turned, strict=True)))))) < 0.05
+    down, true_down = (rotate_inverse(each, (0.0, 0.0, 1.0)) for each in (turned, q))
+    assert math.dist(down, true_down) < math.radians(0.15) * 5  # five sigma
+
+
+def test_dead_reckoning_counts_for_five_seconds_and_the_position_comes_back_with_the_receiver():
+    estimator = make_estimator()
+    blind = readings(ALL_WELL._replace(gps=False))
+    valid_until = 0
+    estimator.align()
+    estimator.update(state(0), readings())
+    for tick in range(1, 5000):
+        estimate = estimator.update(state(4000 * tick), blind)
+        valid_until = 4000 * tick if estimate.position_valid else valid_until
+    assert valid_until == 5_000_000 - 4000
+    assert estimate.altitude_valid  # the barometer is still there
+    lost_m = math.dist(estimate.position_ned, state(0).position_ned)
+    back = estimator.update(state(20_000_000), readings())
+    assert back.position_valid
+    assert math.dist(back.position_ned, state(0).position_ned) < min(1.0, lost_m)
+
+
+def test_height_needs_the_receiver_or_the_barometer():
+    estimator = make_estimator()
+    estimator.align()
+    blind = readings(ALL_WELL._replace(gps=False, barometer=False))
+    assert estimator.update(state(4_996_000), blind).altitude_valid
+    assert not estimator.update(state(5_000_000), blind).altitude_valid
+
+
+@pytest.mark.parametrize("sensor", ["gyro", "accelerometer"])
+def test_nothing_is_valid_without_the_inertial_unit(sensor):
+    estimator = make_estimator()
+    estimator.align()
+    estimate = estimator.update(state(4000), readings(ALL_WELL._replace(**{sensor: False})))
+    assert not estimate.attitude_valid
+    assert not estimate.position_valid
+    assert estimate.sensors == ALL_WELL._replace(**{sensor: False})

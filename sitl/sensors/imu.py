@@ -1,0 +1,52 @@
+"""The inertial unit: body rates and specific force, with noise and a bias from the seed."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sitl.records import Vector3, VehicleState
+from sitl.sensors.noise import normal_vector, normals
+
+# Per sample at 250 Hz. Source: PX4-gazebo-models, models/x500_base/model.sdf.
+GYRO_STD_RAD_S = 0.0008726646
+ACCELEROMETER_STD_M_S2 = (0.00637, 0.00637, 0.00686)
+# Assumption: what a calibration leaves over; PX4 warns above 0.4 rad/s and 0.4 m/s2 per axis.
+GYRO_BIAS_STD_RAD_S = 0.002
+ACCELEROMETER_BIAS_STD_M_S2 = 0.02
+
+
+class ImuReading(NamedTuple):
+    """One sample in the body frame."""
+
+    rates_frd: Vector3  # rad/s
+    specific_force_frd: Vector3  # m/s2
+
+
+class Imu:
+    """Reads the true motion with noise and a bias that stays for the flight."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self.gyro_bias_frd = normal_vector(rng, GYRO_BIAS_STD_RAD_S)
+        self.accelerometer_bias_frd = normal_vector(rng, ACCELEROMETER_BIAS_STD_M_S2)
+        self._noise = normals(rng)
+
+    def read(self, state: VehicleState) -> ImuReading:
+        """Sample now."""
+        p, q, r = state.rates_frd
+        fx, fy, fz = state.specific_force_frd
+        bp, bq, br = self.gyro_bias_frd
+        bx, by, bz = self.accelerometer_bias_frd
+        sx, sy, sz = ACCELEROMETER_STD_M_S2
+        noise, gyro = self._noise, GYRO_STD_RAD_S
+        return ImuReading(
+            (
+                p + bp + gyro * next(noise),
+                q + bq + gyro * next(noise),
+                r + br + gyro * next(noise),
+            ),
+            (
+                fx + bx + sx * next(noise),
+                fy + by + sy * next(noise),
+                fz + bz + sz * next(noise),
+            ),
+        )

@@ -1,0 +1,37 @@
+"""All sensors of one vehicle: each samples at its own rate and keeps its last reading."""
+
+import numpy as np
+
+from sitl.clock import Schedule
+from sitl.records import Readings, SensorHealth, VehicleState
+from sitl.sensors import barometer, gps, magnetometer
+from sitl.sensors.imu import Imu
+
+HEALTHY = SensorHealth()
+
+
+class Sensors:
+    """Samples the true state; every sensor draws from a stream of chance of its own."""
+
+    def __init__(self, seed: list[int], *, altitude_m: float) -> None:
+        """Draw noise and biases from `seed`; `altitude_m` AMSL is that of the local origin."""
+        chances = [np.random.default_rng([*seed, index]) for index in range(4)]
+        self._altitude_m = altitude_m
+        self.imu = Imu(chances[0])
+        self._gps = gps.Gps(chances[1])
+        self._barometer = barometer.Barometer(chances[2])
+        self._magnetometer = magnetometer.Magnetometer(chances[3])
+        self._gps_schedule = Schedule(gps.RATE_HZ)
+        self._barometer_schedule = Schedule(barometer.RATE_HZ)
+        self._magnetometer_schedule = Schedule(magnetometer.RATE_HZ)
+
+    def update(self, state: VehicleState) -> Readings:
+        """Sample what is due at the state's time."""
+        time_us = state.time_us
+        if self._gps_schedule.due(time_us):
+            self._fix = self._gps.read(state)
+        if self._barometer_schedule.due(time_us):
+            self._air = self._barometer.read(self._altitude_m - state.position_ned[2])
+        if self._magnetometer_schedule.due(time_us):
+            self._field = self._magnetometer.read(state)
+        return Readings(*self.imu.read(state), self._field, *self._air, self._fix, HEALTHY)
