@@ -34,12 +34,11 @@ class Options:
     speed_factor: float  # 0: as fast as possible
     lockstep: bool
     gui: bool
-    perfect_estimate: bool
     instance: int
     home: Vector3
     log: Path | None
-    gcs_ports: tuple[int, int]  # local, remote
     signing_key: Path | None
+    gcs_ports: tuple[int, int]  # local, remote
     api_ports: tuple[int, int]
     camera_port: int
     verbosity: int  # -1 quiet, 0, 1 verbose
@@ -76,13 +75,12 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
         speed_factor=_first(given.speed_factor, _speed_from(environment), 1.0),
         lockstep=given.lockstep,
         gui=given.gui,
-        perfect_estimate=given.perfect_estimate,
         instance=instance,
         home=_first(given.home, _home_from(environment), HOME),
         log=given.log,
+        signing_key=given.signing_key,
         gcs_ports=given.gcs_link or (GCS_PORTS[0] + instance, GCS_PORTS[1]),
         api_ports=given.api_link
-        signing_key=given.signing_key,
         or (API_PORTS[0] + instance, min(API_PORTS[1] + instance, API_REMOTE_LAST)),
         camera_port=_first(given.camera_port, None, CAMERA_PORT + instance),
         verbosity=given.verbose - given.quiet,
@@ -124,9 +122,6 @@ def _parser() -> argparse.ArgumentParser:
         "--home", type=_home, metavar="LAT,LON,ALT", help="deg, deg, m AMSL of the spawn point"
     )
     world.add_argument("--gui", action="store_true", help="show the world in a window")
-    world.add_argument(
-        "--perfect-estimate", action="store_true", help="let the autopilot know the true state"
-    )
     running = parser.add_argument_group("time")
     running.add_argument(
         "--speed-factor", type=_speed, metavar="X", help="1: real time; 0: as fast as possible"
@@ -148,14 +143,14 @@ def _add_connections(parser: argparse.ArgumentParser) -> None:
             name, type=_ports, metavar="LOCAL:REMOTE", help=f"UDP ports of the link to {whom}"
         )
     wire.add_argument("--camera-port", type=_port, metavar="P", help="HTTP port of the camera")
+    wire.add_argument(
+        "--signing-key", type=Path, metavar="FILE", help="heed only what is signed with this key"
+    )
     wire.add_argument("--log", type=Path, metavar="PATH", help="write all traffic as a tlog")
     wire.add_argument("-v", "--verbose", action="count", default=0, help="say more")
     wire.add_argument("-q", "--quiet", action="count", default=0, help="say only what is wrong")
 
 
-    wire.add_argument(
-        "--signing-key", type=Path, metavar="FILE", help="heed only what is signed with this key"
-    )
 def _first(given: T | None, inherited: T | None, default: T) -> T:
     if given is not None:
         return given
