@@ -34,6 +34,7 @@ class Options:
     speed_factor: float  # 0: as fast as possible
     lockstep: bool
     gui: bool
+    perfect_estimate: bool
     instance: int
     home: Vector3
     log: Path | None
@@ -75,6 +76,7 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
         speed_factor=_first(given.speed_factor, _speed_from(environment), 1.0),
         lockstep=given.lockstep,
         gui=given.gui,
+        perfect_estimate=given.perfect_estimate,
         instance=instance,
         home=_first(given.home, _home_from(environment), HOME),
         log=given.log,
@@ -122,6 +124,9 @@ def _parser() -> argparse.ArgumentParser:
         "--home", type=_home, metavar="LAT,LON,ALT", help="deg, deg, m AMSL of the spawn point"
     )
     world.add_argument("--gui", action="store_true", help="show the world in a window")
+    world.add_argument(
+        "--perfect-estimate", action="store_true", help="let the autopilot know the true state"
+    )
     running = parser.add_argument_group("time")
     running.add_argument(
         "--speed-factor", type=_speed, metavar="X", help="1: real time; 0: as fast as possible"
