@@ -43,7 +43,9 @@ def build_parser() -> argparse.ArgumentParser:
     where.add_argument("--connect", metavar="STRING", help="connection string, see below")
     add("--camera", metavar="URI", help="stream, device or file (default: what the vehicle names)")
     add("--model", default=DEFAULT_MODEL, help=f"which model flies (default {DEFAULT_MODEL})")
-    add("--strategy", help="how it decides (default: the model's)")
+    add("--strategy", help="how it decides (default: the model's); yours as my_package:MyStrategy")
+    add("--perception", metavar="NAME", help="your own instead of the model's")
+    add("--policy", metavar="NAME", help="your own instead of the model's")
     add("--direction", choices=("cw", "ccw"), default="cw", help="of the course (default cw)")
     add("--seed", type=_whole, default=0, help="of the sampling (default 0)")
     add("--takeoff-altitude", type=_positive, default=3.0, metavar="M", help="m above home (3)")
@@ -95,7 +97,12 @@ def _fly(arguments: argparse.Namespace) -> int:
         from flightstack.companion.pipeline import load_pipeline  # noqa: PLC0415
 
         return load_pipeline(
-            arguments.model, arguments.strategy, arguments.seed, direction=arguments.direction
+            arguments.model,
+            arguments.strategy,
+            arguments.seed,
+            direction=arguments.direction,
+            perception=arguments.perception,
+            policy=arguments.policy,
         )
 
     progress = Progress(verbosity=int(arguments.verbose) - int(arguments.quiet))

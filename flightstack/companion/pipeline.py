@@ -8,11 +8,12 @@ Reference: Arnez et al. 2022, "Quantifying and Using System Uncertainty in UAV N
 
 from dataclasses import replace
 
-from flightstack import models
-from flightstack.decision.strategies import Strategy, make_strategy
+from flightstack import extensions, models
+from flightstack.decision.strategies import STRATEGIES, Strategy, make_strategy
+from flightstack.models import Model
 from flightstack.perception.posterior import LatentPosterior, make_posterior
 from flightstack.perception.preprocessing import fit_image
-from flightstack.policy.ensemble import PolicyEnsemble
+from flightstack.policy.ensemble import Policy, PolicyEnsemble
 from flightstack.policy.scales import VelocityRange
 from flightstack.records import Decision, Frame
 
@@ -26,7 +27,7 @@ class Pipeline:
     def __init__(
         self,
         posterior: LatentPosterior,
-        ensemble: PolicyEnsemble,
+        ensemble: Policy,
         strategy: Strategy,
         limits: VelocityRange,
     ) -> None:
@@ -42,18 +43,50 @@ class Pipeline:
 
 
 def load_pipeline(
-    model: str, strategy: str | None = None, seed: int = 0, *, direction: str = "cw"
+    model: str,
+    strategy: str | None = None,
+    seed: int = 0,
+    *,
+    direction: str = "cw",
+    perception: str | None = None,
+    policy: str | None = None,
 ) -> Pipeline:
-    """Load a model by name, with its own strategy or another, ready for its first frame.
+    """Load a model by name, with its own parts or with others, ready for its first frame.
 
-    `direction` is the course's, "cw" or "ccw", seen from above. Raises ModelError for the model,
-    UsageError for the strategy.
+    `direction` is the course's, "cw" or "ccw", seen from above. `strategy`, `perception` and
+    `policy` may name what a user brings (docs/bring-your-own.md). Raises ModelError for the model,
+    UsageError for the parts.
     """
     loaded = models.load(model)
-    config = loaded.config
+    limits = loaded.config.policy.velocity_range
     return Pipeline(
-        make_posterior(config.perception, loaded.encoder, seed=seed),
-        PolicyEnsemble(loaded.policies, config.policy.velocity_range),
-        make_strategy(strategy or config.strategy, direction=direction),
-        config.policy.velocity_range,
+        _posterior(loaded, perception, seed),
+        _policy(loaded, policy, seed),
+        _strategy(loaded, strategy or loaded.config.strategy, direction, seed),
+        limits,
     )
+
+
+def _posterior(model: Model, name: str | None, seed: int) -> LatentPosterior:
+    if name is None:
+        return make_posterior(model.config.perception, model.encoder, seed=seed)
+    brought: LatentPosterior = extensions.make(extensions.PERCEPTION, name, model=model, seed=seed)
+    return brought
+
+
+def _policy(model: Model, name: str | None, seed: int) -> Policy:
+    config = model.config.policy
+    if name is None:
+        return PolicyEnsemble(model.policies, config.velocity_range, config.variance_factor)
+    brought: Policy = extensions.make(extensions.POLICY, name, model=model, seed=seed)
+    return brought
+
+
+def _strategy(model: Model, name: str, direction: str, seed: int) -> Strategy:
+    if name not in STRATEGIES and extensions.is_brought(extensions.STRATEGY, name):
+        brought: Strategy = extensions.make(
+            extensions.STRATEGY, name, direction=direction, seed=seed
+        )
+        return brought
+    best = model.config.policy.best_member
+    return make_strategy(name, direction=direction, seed=seed, best_member=best)

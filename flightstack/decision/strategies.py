@@ -85,7 +85,10 @@ def make_strategy(
     parts = STRATEGIES.get(name, name).split("/")
     if len(parts) not in (3, 4):
         known = ", ".join(sorted(STRATEGIES))
-        raise UsageError(f"unknown strategy {name!r}: choose one of {known}, or {FORM}")
+        raise UsageError(
+            f"unknown strategy {name!r}: choose one of {known}, or {FORM}, "
+            "or bring your own as my_package:MyStrategy"
+        )
     member, statistic, pace, side = [*parts, "none"][:4]
     vx, colon, factor = pace.partition(":")
     kinds: dict[str, tuple[str, Collection[str]]] = {

@@ -1,5 +1,7 @@
 """The ensemble that flies: latent samples in, the posterior predictive out."""
 
+from typing import Protocol
+
 import numpy as np
 import torch
 from numpy.typing import NDArray
@@ -7,6 +9,14 @@ from numpy.typing import NDArray
 from flightstack.policy.network import PolicyStack
 from flightstack.policy.scales import VelocityRange
 from flightstack.records import ActionSamples
+
+
+class Policy(Protocol):
+    """Anything that turns latent samples into the posterior predictive."""
+
+    def predict(self, z: NDArray[np.float32]) -> ActionSamples:
+        """Map latents (M, Z) to means and variances (N, M, 4) in m/s and rad/s."""
+        ...
 
 
 class PolicyEnsemble:
