@@ -27,6 +27,7 @@ TRIGGER_WAIT_S = 0.05  # wall time: for the announcement of a frame that has com
 LINK_LOST_S = 3.0  # wall time
 FRAME_LATE_US = 500_000  # vehicle time: the vehicle is then held
 TICK_US = 50_000  # vehicle time: the pace without frames
+REPEAT_S = 1.0  # wall time without a frame, while vehicle time stands
 FRAMES_LOST_S = 10.0  # wall time: a camera is lost even where no telemetry tells the time
 STEERED = (Phase.ENTERING_OFFBOARD, Phase.FLYING)
 NOT_OURS = (Phase.WAITING, Phase.TAKEN_OVER, Phase.DONE)
@@ -78,6 +79,7 @@ class FlightLoop:
         self._speed_scale = speed_scale
         self._frame_us = self._clock.stamp_us
         self._frame_s = time.monotonic()
+        self._steered_s = self._frame_s
         self._ticked_us = self._clock.stamp_us
 
     def run(self) -> None:
@@ -114,6 +116,7 @@ class FlightLoop:
         velocities = self._decide(frame) if self.state.phase is Phase.FLYING else HOLD
         self._vehicle.keep_up(frame.stamp_us)
         self._vehicle.steer(velocities, frame.stamp_us)
+        self._steered_s = time.monotonic()
         if self.state.phase is Phase.FLYING:
             self.latencies_s.append(time.monotonic() - arrival.received_s)
 
@@ -141,6 +144,7 @@ class FlightLoop:
     def _watch(self) -> None:
         """Keep the mission going while no frame comes."""
         self._vehicle.keep_up(self._ticked_us)
+        self._repeat_setpoint()
         now_us = self._frameless_us()
         if now_us - self._frame_us < FRAME_LATE_US or now_us - self._ticked_us < TICK_US:
             return
@@ -148,6 +152,18 @@ class FlightLoop:
         self._vehicle.keep_up(now_us)
         if self.state.phase in STEERED:
             self._vehicle.steer(HOLD, now_us)
+
+    def _repeat_setpoint(self) -> None:
+        """Answer the frame once more if a vehicle that is alive stands still: the answer got lost.
+
+        One that is silent gets nothing, so that it may leave OFFBOARD by its own failsafe.
+        """
+        now_s = time.monotonic()
+        stands = self._clock.stamp_us <= self._frame_us
+        alive = self._vehicle.link.silence_s < REPEAT_S / 2
+        if stands and alive and now_s - self._steered_s >= REPEAT_S:
+            self._steered_s = now_s
+            self._vehicle.repeat_setpoint()
 
     def _frameless_us(self) -> int:
         """Vehicle time as telemetry tells it, or the wall where that has stood still for long."""

@@ -7,7 +7,7 @@ from flightstack.mavlink import commands
 from flightstack.mavlink.commands import Command, CommandSender, Refusal
 from flightstack.mavlink.course_download import CourseDownload
 from flightstack.mavlink.heartbeat import HeartbeatSender
-from flightstack.mavlink.link import Link
+from flightstack.mavlink.link import Link, Message
 from flightstack.mavlink.offboard import Velocities, velocity_setpoint
 from flightstack.mavlink.px4 import Px4Mode
 from flightstack.mavlink.telemetry import Telemetry, TelemetryReceiver, Text
@@ -35,6 +35,7 @@ class Vehicle:
         self._heartbeat = HeartbeatSender(link.send)
         self._uncertainty = UncertaintyPublisher(link.send, with_members=publish_members)
         self._download = CourseDownload(link)
+        self._setpoint: Message | None = None
         self._refusals: list[Refusal] = []
 
     @property
@@ -91,8 +92,14 @@ class Vehicle:
 
     def steer(self, velocities: Velocities, stamp_us: int) -> None:
         """Send the setpoint that answers the frame of this stamp."""
-        self.link.send(velocity_setpoint(self.link.system_id, stamp_us, velocities))
+        self._setpoint = velocity_setpoint(self.link.system_id, stamp_us, velocities)
+        self.link.send(self._setpoint)
         self.setpoints += 1
+
+    def repeat_setpoint(self) -> None:
+        """Send the newest setpoint again, as it was; PX4 takes it for one more."""
+        if self._setpoint is not None:
+            self.link.send(self._setpoint)
 
     def announce(self, text: str) -> None:
         """Send a line for the people who watch the vehicle."""
