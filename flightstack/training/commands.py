@@ -5,9 +5,11 @@ import argparse
 import torch
 
 from flightstack.training.data import generate_control, generate_perception
-from flightstack.training.dataset import read_dataset
+from flightstack.training.dataset import join, read_dataset
 from flightstack.training.everything import Plan, train_all
+from flightstack.training.look import look
 from flightstack.training.perception import train_perception
+from flightstack.training.piloting import Piloting
 from flightstack.training.policy import train_policy
 from flightstack.training.presets import perception_settings, policy_settings
 from flightstack.training.recipe import Recipe
@@ -40,10 +42,17 @@ def _all(options: argparse.Namespace) -> None:
 
 
 def _data(options: argparse.Namespace) -> None:
-    generate = {"perception": generate_perception, "control": generate_control}[options.kind]
+    if options.kind == "look":
+        look(options.dataset, options.out or options.dataset / "look", seed=options.seed)
+        return
     recipe = Recipe.load(options.recipe)
     folder = options.out or options.data / options.recipe / options.kind
-    generate(folder, recipe, images=options.images, seed=options.seed, jobs=options.jobs)
+    common = {"images": options.images, "seed": options.seed, "jobs": options.jobs}
+    if options.kind == "perception":
+        generate_perception(folder, recipe, **common)
+        return
+    pilot = options.pilot and Piloting.by(options.pilot, options.pilot_share)
+    generate_control(folder, recipe, piloting=pilot, **common)
 
 
 def _perception(options: argparse.Namespace) -> None:
@@ -58,7 +67,7 @@ def _perception(options: argparse.Namespace) -> None:
 def _policy(options: argparse.Namespace) -> None:
     perception = read_run(options.perception)
     train_policy(
-        read_dataset(options.data),
+        join([read_dataset(folder) for folder in options.data]),
         perception.encoder(),
         policy_settings(
             options.preset, kind=options.kind, seed=options.seed, epochs=options.epochs

@@ -1,4 +1,4 @@
-"""Make the datasets, shard by shard, on all cores: gate views, and the expert's flights.
+"""Make the datasets, shard by shard, on all cores: gate views, and flights that the expert labels.
 
 Shard k of a split depends on (seed, split, k) alone, so the same seed gives the same bytes on
 any number of cores, and an interrupted run goes on where it stopped.
@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from flightstack.training import dataset, flights, gate_views
 from flightstack.training.flights import fly
 from flightstack.training.gate_views import ViewRenderer
+from flightstack.training.piloting import Piloting
 from flightstack.training.recipe import Recipe
 from flightstack.training.seeds import TRAINING_TRACKS, VALIDATION_TRACKS
 
@@ -47,6 +49,15 @@ class ShardPlan:
 Make = Callable[[ShardPlan], tuple[NDArray[np.uint8], NDArray[np.float32]]]
 
 
+def describe(
+    kind: str, recipe: Recipe, seed: int, piloting: Piloting | None = None
+) -> dict[str, Any]:
+    """Name all that a dataset's bytes depend on, but its size."""
+    settings = asdict(recipe.views if kind == "perception" else recipe.flights)
+    about = {"kind": kind, "recipe": recipe.name, "seed": seed, "settings": settings}
+    return about if piloting is None else {**about, "pilot": asdict(piloting)}
+
+
 def generate_perception(
     folder: Path,
     recipe: Recipe,
@@ -56,15 +67,13 @@ def generate_perception(
     jobs: int = -1,
     report: Report = print,
 ) -> Path:
-    """Render `images` labelled gate views into `folder` (80 % train, 20 % validation)."""
+    """Render `images` labelled gate views into `folder` (80 % train, 20 % validation).
+
+    Raises UsageError where the folder holds other data.
+    """
     plans = _plan(images, VIEWS_PER_SHARD, PERCEPTION_TRAIN_SHARE)
-    _generate(folder, plans, partial(_make_views, recipe=recipe, seed=seed), jobs, report)
-    about = {
-        "kind": "perception",
-        "recipe": recipe.name,
-        "seed": seed,
-        "settings": asdict(recipe.views),
-    }
+    about = describe("perception", recipe, seed)
+    _generate(folder, plans, about, partial(_make_views, recipe=recipe, seed=seed), jobs, report)
     names = [plan.name for plan in plans]
     dataset.write_manifest(folder, names, label_names=gate_views.LABEL_NAMES, about=about)
     return folder
@@ -76,18 +85,18 @@ def generate_control(
     *,
     images: int,
     seed: int,
+    piloting: Piloting | None = None,
     jobs: int = -1,
     report: Report = print,
 ) -> Path:
-    """Fly the expert and record `images` labelled frames (90 % train, 10 % validation)."""
+    """Fly the expert and record `images` labelled frames (90 % train, 10 % validation).
+
+    Raises UsageError where the folder holds other data.
+    """
     plans = _plan(images, FLIGHT_IMAGES_PER_SHARD, CONTROL_TRAIN_SHARE)
-    _generate(folder, plans, partial(_make_flights, recipe=recipe, seed=seed), jobs, report)
-    about = {
-        "kind": "control",
-        "recipe": recipe.name,
-        "seed": seed,
-        "settings": asdict(recipe.flights),
-    }
+    about = describe("control", recipe, seed, piloting)
+    make = partial(_make_flights, recipe=recipe, seed=seed, piloting=piloting)
+    _generate(folder, plans, about, make, jobs, report)
     names = [plan.name for plan in plans]
     dataset.write_manifest(folder, names, label_names=flights.LABEL_NAMES, about=about)
     return folder
@@ -102,14 +111,23 @@ def _plan(count: int, per_shard: int, train_share: float) -> list[ShardPlan]:
     ]
 
 
-def _generate(folder: Path, plans: list[ShardPlan], make: Make, jobs: int, report: Report) -> None:
+def _generate(
+    folder: Path,
+    plans: list[ShardPlan],
+    about: dict[str, Any],
+    make: Make,
+    jobs: int,
+    report: Report,
+) -> None:
     folder.mkdir(parents=True, exist_ok=True)
+    dataset.refuse_other(folder, about, {plan.name: plan.count for plan in plans})
     missing = [plan for plan in plans if not dataset.is_finished(folder, plan.name)]
     total = sum(plan.count for plan in missing)
     started = time.monotonic()
     done = 0
+    settings = dataset.settings_sha256(about)
     counts = Parallel(n_jobs=jobs, return_as="generator_unordered")(
-        delayed(_make_shard)(folder, plan, make) for plan in missing
+        delayed(_make_shard)(folder, plan, make, settings) for plan in missing
     )
     for count in counts:
         done += count
@@ -117,9 +135,11 @@ def _generate(folder: Path, plans: list[ShardPlan], make: Make, jobs: int, repor
         report(f"{folder.name}: {done} of {total} images, {rate:.0f} a second")
 
 
-def _make_shard(folder: Path, plan: ShardPlan, make: Make) -> int:
+def _make_shard(folder: Path, plan: ShardPlan, make: Make, settings_sha256: str) -> int:
     images, labels = make(plan)
-    dataset.write_shard(folder, plan.name, plan.split, images, labels)
+    dataset.write_shard(
+        folder, plan.name, plan.split, images, labels, settings_sha256=settings_sha256
+    )
     return plan.count
 
 
@@ -136,12 +156,14 @@ def _make_views(
 
 
 def _make_flights(
-    plan: ShardPlan, recipe: Recipe, seed: int
+    plan: ShardPlan, recipe: Recipe, seed: int, piloting: Piloting | None
 ) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     rng = np.random.default_rng([seed, SPLITS[plan.split], plan.index])
+    model = None if piloting is None else piloting.load(seed=int(rng.integers(2**31)))
     images, labels, count = [], [], 0
     while count < plan.count:
-        flown, commands = fly(rng, recipe.flights, tracks=TRACKS[plan.split])
+        pilot = model if piloting and rng.random() < piloting.share else None
+        flown, commands = fly(rng, recipe.flights, tracks=TRACKS[plan.split], pilot=pilot)
         images.append(flown)
         labels.append(commands)
         count += len(flown)

@@ -30,13 +30,14 @@ class Shard:
     count: int
     images_sha256: str
     labels_sha256: str
+    settings_sha256: str = ""  # of all that the dataset depends on; empty in old folders
 
 
 class ShardedImages:
     """All images of a dataset as one array of shape (K, 64, 64, 3), read from the shards' maps."""
 
     def __init__(self, parts: list[NDArray[np.uint8]]) -> None:
-        self._parts = parts
+        self.parts = parts
         self._starts = np.cumsum([0] + [len(part) for part in parts])
 
     def __len__(self) -> int:
@@ -46,17 +47,17 @@ class ShardedImages:
     @property
     def shape(self) -> tuple[int, ...]:
         """The shape of the whole."""
-        return (len(self), *self._parts[0].shape[1:])
+        return (len(self), *self.parts[0].shape[1:])
 
     def __getitem__(self, indices: NDArray[np.integer[Any]] | slice) -> NDArray[np.uint8]:
         """Gather images by an index array or a slice, in the order asked for."""
         if isinstance(indices, slice):
             indices = np.arange(*indices.indices(len(self)))
         owners = np.searchsorted(self._starts, indices, side="right") - 1
-        images = np.empty((len(indices), *self._parts[0].shape[1:]), dtype=np.uint8)
+        images = np.empty((len(indices), *self.parts[0].shape[1:]), dtype=np.uint8)
         for owner in np.unique(owners):
             mine = owners == owner
-            images[mine] = self._parts[owner][indices[mine] - self._starts[owner]]
+            images[mine] = self.parts[owner][indices[mine] - self._starts[owner]]
         return images
 
 
@@ -74,7 +75,13 @@ class Dataset:
 
 
 def write_shard(
-    folder: Path, name: str, split: str, images: NDArray[np.uint8], labels: NDArray[np.float32]
+    folder: Path,
+    name: str,
+    split: str,
+    images: NDArray[np.uint8],
+    labels: NDArray[np.float32],
+    *,
+    settings_sha256: str,
 ) -> None:
     """Write one shard, its sidecar last, so that an interrupted one is seen to be unfinished."""
     hashes = {}
@@ -82,6 +89,7 @@ def write_shard(
         np.save(folder / f"{name}-{kind}.npy", array)
         hashes[f"{kind}_sha256"] = hashlib.sha256(np.ascontiguousarray(array).data).hexdigest()
     sidecar = {"name": name, "split": split, "count": len(images), **hashes}
+    sidecar["settings_sha256"] = settings_sha256
     partial = folder / f"{name}.json.partial"
     partial.write_text(json.dumps(sidecar))
     partial.rename(folder / f"{name}.json")
@@ -90,6 +98,43 @@ def write_shard(
 def is_finished(folder: Path, name: str) -> bool:
     """Whether the shard stands whole."""
     return (folder / f"{name}.json").exists()
+
+
+def settings_sha256(about: dict[str, Any]) -> str:
+    """Hash what a dataset depends on."""
+    return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()
+
+
+def refuse_other(folder: Path, about: dict[str, Any], counts: dict[str, int]) -> None:
+    """Raise UsageError where a folder holds anything but a part of the dataset that is described.
+
+    `counts` says how many images each shard will hold.
+    """
+    advice = "choose another folder, or remove this one"
+    if known := (folder / MANIFEST).exists():
+        manifest = json.loads((folder / MANIFEST).read_text())
+        found, wanted = (_flat({key: m.get(key) for key in about}) for m in (manifest, about))
+        if other := sorted(k for k in found | wanted if found.get(k) != wanted.get(k)):
+            raise UsageError(f"{folder} holds data made with another {', '.join(other)}: {advice}")
+    settings = settings_sha256(about)
+    for path in sorted(folder.glob("*-*.json")):
+        shard = _read_sidecar(folder, path.stem)
+        if shard.settings_sha256 != settings and (shard.settings_sha256 or not known):
+            raise UsageError(
+                f"{folder} holds {shard.name}, made with another recipe, seed or settings: {advice}"
+            )
+        if shard.count != counts.get(shard.name, shard.count):
+            raise UsageError(
+                f"{folder} holds {shard.count} images as {shard.name}, not {counts[shard.name]}, "
+                f"of a dataset of another size: {advice}"
+            )
+
+
+def _flat(about: dict[str, Any]) -> dict[str, Any]:
+    """Plain JSON values, those of nested tables beside the others."""
+    plain = json.loads(json.dumps(about))
+    nested = {k: v for table in plain.values() if isinstance(table, dict) for k, v in table.items()}
+    return {**{k: v for k, v in plain.items() if not isinstance(v, dict)}, **nested}
 
 
 def write_manifest(
@@ -149,6 +194,32 @@ def read_dataset(folder: Path) -> Dataset:
         splits={name: np.concatenate(indices) for name, indices in splits.items()},
         sha256=manifest["sha256"],
         manifest=manifest,
+    )
+
+
+def join(datasets: list[Dataset]) -> Dataset:
+    """Read several datasets as one, such as an expert's flights and rounds of DAgger.
+
+    Raises UsageError when their labels differ.
+    """
+    first = datasets[0]
+    if len(datasets) == 1:
+        return first
+    starts = np.cumsum([0] + [len(one.images) for one in datasets])
+    splits: dict[str, list[NDArray[np.int64]]] = {}
+    for one, start in zip(datasets, starts[:-1], strict=True):
+        if one.label_names != first.label_names:
+            raise UsageError(f"{one.folder} has other labels than {first.folder}: not joined")
+        for name, indices in one.splits.items():
+            splits.setdefault(name, []).append(indices + start)
+    return Dataset(
+        folder=first.folder,
+        images=ShardedImages([part for one in datasets for part in one.images.parts]),
+        labels=np.concatenate([one.labels for one in datasets]),
+        label_names=first.label_names,
+        splits={name: np.concatenate(parts) for name, parts in splits.items()},
+        sha256=hashlib.sha256("".join(one.sha256 for one in datasets).encode()).hexdigest(),
+        manifest={"joined": [one.manifest for one in datasets]},
     )
 
 

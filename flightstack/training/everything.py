@@ -9,8 +9,8 @@ from joblib import Parallel, delayed
 from flightstack.errors import UsageError
 from flightstack.training.assemble import write_model
 from flightstack.training.catalogue import ModelPlan, read_catalogue
-from flightstack.training.data import generate_control, generate_perception
-from flightstack.training.dataset import Dataset, read_dataset
+from flightstack.training.data import describe, generate_control, generate_perception
+from flightstack.training.dataset import Dataset, read_dataset, refuse_other
 from flightstack.training.perception import train_perception
 from flightstack.training.policy import train_policy
 from flightstack.training.presets import IMAGES, perception_settings, policy_settings
@@ -83,12 +83,10 @@ def make_data(plan: Plan) -> None:
         folder, images = plan.data / plan.recipe / kind, IMAGES[plan.preset][kind]
         if not (folder / "manifest.json").exists():
             make(folder, recipe, images=images, seed=plan.seed)
-        manifest = read_dataset(folder).manifest
-        found = (manifest.get("recipe"), manifest["seed"], manifest["count"])
-        if found != (plan.recipe, plan.seed, images):
+        refuse_other(folder, describe(kind, recipe, plan.seed), {})
+        if (count := read_dataset(folder).manifest["count"]) != images:
             raise UsageError(
-                f"{folder} holds other data (recipe, seed and count are {found}): "
-                "choose another --data, or remove it"
+                f"{folder} holds {count} images, not {images}: choose another --data, or remove it"
             )
 
 

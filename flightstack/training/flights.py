@@ -43,7 +43,7 @@ def fly(
             seed=int(rng.integers(2**31)),
             track_seed=int(rng.integers(tracks.start, tracks.stop)),
             noise_m=(
-                float(rng.uniform(0.0, recipe.most_radius_noise_m)),
+                draw_radius_noise_m(rng, recipe),
                 float(rng.uniform(0.0, recipe.most_height_noise_m)),
             ),
             laps=2,
@@ -55,6 +55,13 @@ def fly(
         return _record(simulation, rng, recipe, pilot)
     finally:
         simulation.close()
+
+
+def draw_radius_noise_m(rng: np.random.Generator, recipe: FlightRecipe) -> float:
+    """Draw a track's radius noise, uniformly over what is not held out."""
+    low, high = recipe.held_out_radius_noise_m
+    drawn = float(rng.uniform(0.0, recipe.most_radius_noise_m - (high - low)))
+    return drawn if drawn < low else drawn + (high - low)
 
 
 def _record(

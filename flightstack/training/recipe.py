@@ -49,11 +49,18 @@ class FlightRecipe:
     noise_std: tuple[float, float, float, float]  # m/s, m/s, m/s, rad/s
     noise_time_constant_s: float
     lost_frames: int  # dropped before a collision or a miss
+    held_out_radius_noise_m: tuple[float, float] = (0.0, 0.0)  # never drawn, from low to high
 
     def __post_init__(self) -> None:
         """Check what the type alone does not."""
         if self.expert not in EXPERTS:
             raise UsageError(f"flights.expert: '{self.expert}' is none of {', '.join(EXPERTS)}")
+        low, high = self.held_out_radius_noise_m
+        if not 0.0 <= low <= high <= self.most_radius_noise_m:
+            raise UsageError(
+                f"flights.held_out_radius_noise_m: [{low}, {high}] does not lie in order "
+                f"between 0 and {self.most_radius_noise_m}"
+            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

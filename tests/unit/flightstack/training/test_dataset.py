@@ -1,3 +1,5 @@
+import json
+
 import numpy as np
 import pytest
 
@@ -69,11 +71,55 @@ def test_a_folder_without_data_says_how_to_make_some(tmp_path):
 def test_images_are_gathered_across_shards(tmp_path):
     images = np.arange(5 * 64 * 64 * 3, dtype=np.uint32).astype(np.uint8).reshape(5, 64, 64, 3)
     labels = np.arange(10, dtype=np.float32).reshape(5, 2)
-    dataset.write_shard(tmp_path, "a", "train", images[:2], labels[:2])
-    dataset.write_shard(tmp_path, "b", "train", images[2:], labels[2:])
+    dataset.write_shard(tmp_path, "a", "train", images[:2], labels[:2], settings_sha256="")
+    dataset.write_shard(tmp_path, "b", "train", images[2:], labels[2:], settings_sha256="")
     dataset.write_manifest(tmp_path, ["a", "b"], label_names=("p", "q"), about={})
     opened = dataset.read_dataset(tmp_path)
     order = np.array([4, 0, 2, 1])
     assert np.array_equal(opened.images[order], images[order])
     assert np.array_equal(opened.images[1:4], images[1:4])
     assert np.array_equal(opened.labels, labels)
+
+
+def generate(folder, *, recipe=STRONG, seed=3, images=40):
+    return data.generate_perception(
+        folder, recipe, images=images, seed=seed, jobs=1, report=lambda _: None
+    )
+
+
+def test_a_folder_of_other_data_is_refused(folder):
+    with pytest.raises(UsageError, match="made with another seed: choose another folder"):
+        generate(folder, seed=4)
+    with pytest.raises(UsageError, match=r"made with another .*range_m, .*recipe"):
+        generate(folder, recipe=Recipe.load("paper"))
+    with pytest.raises(UsageError, match="of a dataset of another size"):
+        generate(folder, images=50)
+
+
+def test_shards_of_other_data_are_refused_before_there_is_a_manifest(folder):
+    (folder / "manifest.json").unlink()
+    (folder / "validation-00000.json").unlink()
+    with pytest.raises(UsageError, match="holds train-00000, made with another recipe, seed or"):
+        generate(folder, seed=4)
+    assert not (folder / "validation-00000.json").exists()
+
+
+def test_shards_without_a_hash_are_trusted_with_their_manifest_alone(folder):
+    path = folder / "train-00000.json"
+    before = dataset.read_dataset(folder).sha256
+    path.write_text(json.dumps({**json.loads(path.read_text()), "settings_sha256": ""}))
+    assert dataset.read_dataset(generate(folder)).sha256 == before
+    (folder / "manifest.json").unlink()
+    with pytest.raises(UsageError, match="made with another"):
+        generate(folder)
+
+
+def test_datasets_are_read_as_one(folder, tmp_path):
+    parts = [dataset.read_dataset(folder), dataset.read_dataset(generate(tmp_path / "b", seed=5))]
+    joined = dataset.join(parts)
+    assert len(joined.images) == len(joined.labels) == 80
+    for split in ("train", "validation"):
+        expected = np.concatenate([p.images[p.splits[split]] for p in parts])
+        assert np.array_equal(joined.images[joined.splits[split]], expected)
+    assert joined.sha256 not in {p.sha256 for p in parts}
+    assert dataset.join(parts[:1]) is parts[0]

@@ -4,7 +4,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from flightstack.training.flights import fly
+from flightstack.errors import UsageError
+from flightstack.training import data, dataset
+from flightstack.training.flights import draw_radius_noise_m, fly
+from flightstack.training.piloting import Piloting
 from flightstack.training.recipe import Recipe
 from flightstack.training.seeds import TEST_TRACKS, TRAINING_TRACKS, VALIDATION_TRACKS
 
@@ -49,3 +52,38 @@ def test_a_pilot_flies_while_the_expert_labels(flight):
 def test_training_validation_and_test_tracks_never_meet():
     ranges = sorted((r.start, r.stop) for r in (TEST_TRACKS, TRAINING_TRACKS, VALIDATION_TRACKS))
     assert all(stop <= start for (_, stop), (start, _) in pairwise(ranges))
+
+
+def test_the_held_out_noise_level_is_never_drawn_and_all_others_are():
+    rng, recipe = np.random.default_rng(4), Recipe.load("strong").flights
+    low, high = recipe.held_out_radius_noise_m
+    drawn = np.array([draw_radius_noise_m(rng, recipe) for _ in range(4000)])
+    assert low < 1.0 < high
+    assert not ((drawn >= low) & (drawn < high)).any()
+    counts, _ = np.histogram(drawn, [0.0, low, high, recipe.most_radius_noise_m])
+    expected = 4000 * np.array([low, 0.0, recipe.most_radius_noise_m - high]) / 1.3
+    assert counts == pytest.approx(expected, abs=130)  # 4 standard deviations of a binomial
+
+
+def test_a_recipe_that_holds_nothing_out_draws_as_before():
+    recipe = Recipe.load("paper").flights
+    drawn = draw_radius_noise_m(np.random.default_rng(7), recipe)
+    assert drawn == np.random.default_rng(7).uniform(0.0, recipe.most_radius_noise_m)
+
+
+def test_a_held_out_level_outside_the_range_is_refused():
+    with pytest.raises(UsageError, match="held_out_radius_noise_m"):
+        replace(SHORT, held_out_radius_noise_m=(1.4, 1.6))
+
+
+def test_a_round_of_dagger_is_data_of_its_own(tmp_path):
+    recipe = replace(Recipe.load("strong"), flights=SHORT)
+    piloting = Piloting.by("strong/m0", 1.0)
+    sizes = {"images": 20, "seed": 2, "jobs": 1, "report": lambda _: None}
+    flown = data.generate_control(tmp_path / "dagger", recipe, piloting=piloting, **sizes)
+    data.generate_control(tmp_path / "expert", recipe, **sizes)
+    opened = dataset.read_dataset(flown)
+    assert opened.manifest["pilot"]["model"] == "strong/m0"
+    assert opened.sha256 != dataset.read_dataset(tmp_path / "expert").sha256
+    with pytest.raises(UsageError, match="made with another model, share, weights_sha256"):
+        data.generate_control(tmp_path / "expert", recipe, piloting=piloting, **sizes)
