@@ -67,7 +67,8 @@ def test_no_process_outlives_the_flight(tmp_path: Path, ending: signal.Signals, 
     _, errors = flight.communicate(timeout=60.0)
     assert flight.returncode == code
     assert_gone(started)
-    assert "landing (interrupted)" in errors
+    if ending is not signal.SIGKILL:  # then both are told to end at once, and land in vain
+        assert "landing (interrupted)" in errors
 
 
 def test_two_flights_run_side_by_side(tmp_path: Path) -> None:
