@@ -8,6 +8,7 @@ from sitl.autopilot.checks import Health
 from sitl.autopilot.commander import INFO, Commander
 from sitl.autopilot.commands import Commands
 from sitl.autopilot.land_detector import LandDetector
+from sitl.autopilot.missions import Missions
 from sitl.autopilot.navigator import Goal, Navigator
 from sitl.autopilot.offboard import OffboardStream
 from sitl.autopilot.parameters import Parameters
@@ -69,8 +70,9 @@ class Autopilot:
         self._clear = False  # flying, and once well above the ground
         self._cascade = Cascade(parameters, rotor_positions_frd_m, rotor_yaw_moments_m)
         self._commander = Commander(parameters)
-        self._commands = Commands(self._commander, home)
-        self._navigator = Navigator(parameters)
+        self.missions = Missions(parameters, self._commander, home)
+        self._navigator = Navigator(parameters, self.missions.flight)
+        self._commands = Commands(self._commander, self.missions, self._navigator, home)
         self._offboard = OffboardStream(parameters)
         self._takeoff = Takeoff(parameters)
         self._land_detector = LandDetector(parameters)
@@ -102,6 +104,8 @@ class Autopilot:
             estimate.position_valid,
             estimate.altitude_valid,
             self._offboard.is_alive(estimate.time_us),
+            self.missions.is_available,
+            self._is_fence_breached(estimate),
         )
         commander.update(estimate.time_us, health, landed=landed)
         self._keep_home(estimate)
@@ -158,6 +162,8 @@ class Autopilot:
         climbs = mode is Mode.TAKEOFF or (
             mode is Mode.OFFBOARD and self._offboard.wants_climb(time_us, down)
         )
+        if mode is Mode.MISSION and takeoff.stage is not Stage.FLIGHT:
+            climbs = self.missions.flight.wants_climb(estimate, landed=landed)
         stage = takeoff.update(time_us, armed=True, landed=landed, wants_climb=climbs)
         in_flight = stage is Stage.FLIGHT
         self._clear = in_flight and (self._clear or self._is_clear_of_ground(estimate))
@@ -167,7 +173,8 @@ class Autopilot:
             return self._cascade.idle(estimate, IDLE_THRUST)
         limits = self._flight_limits
         if not in_flight:
-            speed_up = self._takeoff_speed if mode is Mode.TAKEOFF else limits.speed_up_m_s
+            automatic = mode in (Mode.TAKEOFF, Mode.MISSION)
+            speed_up = self._takeoff_speed if automatic else limits.speed_up_m_s
             limits = self._ground_limits._replace(speed_up_m_s=takeoff.speed_limit(speed_up))
         setpoint = self._setpoint(estimate, mode, in_flight=in_flight)
         return self._cascade.fly(estimate, setpoint, limits, landed=landed, clear=self._clear)
@@ -181,6 +188,8 @@ class Autopilot:
         if self._navigator.takeoff_done(estimate):
             self._navigator.hold_where_takeoff_leads()
             self._commander.continue_as_hold()
+        if mode is Mode.MISSION and self.missions.flight.take_return():
+            self._commander.switch(Mode.RTL)
         return setpoint
 
     def _enter(self, estimate: Estimate) -> None:
@@ -190,6 +199,10 @@ class Autopilot:
         home = self._home_ned or ORIGIN
         if mode is Mode.TAKEOFF:
             goal = self._takeoff_goal(goal, estimate)
+        if mode is Mode.RTL:
+            home = self.missions.destination(estimate.position_ned, home)
+        if mode is Mode.MISSION and commander.armed:
+            self.missions.flight.start(estimate, home, landed=commander.landed)
         flies = self._takeoff.stage is Stage.FLIGHT
         motion = self._cascade.asked.acceleration_ned if flies else ORIGIN
         self._navigator.enter(mode, goal, home, estimate, motion)
@@ -231,6 +244,11 @@ class Autopilot:
         elif estimate.position_valid and (self._home_ned is None or self._just_armed()):
             self._home_ned = estimate.position_ned
 
+    def _is_fence_breached(self, estimate: Estimate) -> bool:
+        if self._home_ned is None or not estimate.position_valid:
+            return False
+        return self.missions.watch(estimate.time_us, estimate.position_ned, self._home_ned)
+
     def _just_armed(self) -> bool:
         return self._commander.armed and self._takeoff.stage is Stage.DISARMED
 
@@ -243,6 +261,7 @@ class Autopilot:
         for part in (
             self._cascade,
             self._commander,
+            self.missions,
             self._navigator,
             self._offboard,
             self._takeoff,

@@ -28,6 +28,7 @@ class Commander:
         self.entries = 0  # counts beginnings of a mode, so that one can begin again
         self.health = Health()
         self._after_disarming = Mode.HOLD
+        self._fence_acts = False  # breached, and the user has not taken over since
         self._landed = True
         self._has_flown = False  # since arming
         self._since_us = 0  # arming or landing, whichever was last
@@ -42,6 +43,7 @@ class Commander:
         self._disarm_landed_us = round(p["COM_DISARM_LAND"] * SECOND_US)
         self._disarm_preflight_us = round(p["COM_DISARM_PRFLT"] * SECOND_US)
         self._offboard_loss_action = int(p["COM_OBL_RC_ACT"])
+        self._fence_action = int(p["GF_ACTION"])
 
     def say(self, severity: int, text: str) -> None:
         """Tell the pilot; PX4's texts end in a tab."""
@@ -64,6 +66,8 @@ class Commander:
 
     def update(self, time_us: int, health: Health, *, landed: bool) -> None:
         """Advance to `time_us`: failsafe, landing, automatic disarming."""
+        if health.fence_breached and not self.health.fence_breached:
+            self._fence_acts = self.armed
         self._time_us, self.health = time_us, health
         if not self._ready and can_arm(Mode.HOLD, health):
             self._ready = True
@@ -81,8 +85,8 @@ class Commander:
         if landed:
             self._disarm_when_idle(time_us - self._since_us)
 
-    def arm(self) -> bool:
-        """Arm if the checks pass."""
+    def arm(self, text: str = "Armed by external command") -> bool:
+        """Arm if the checks pass, and say so."""
         if self.armed:
             return True
         if not can_arm(self.intended, self.health):
@@ -92,7 +96,7 @@ class Commander:
         self._since_us = self._time_us
         self._after_disarming = self.intended
         self.entries += 1
-        self.say(INFO, "Armed by external command")
+        self.say(INFO, text)
         return True
 
     def disarm(self, *, force: bool) -> bool:
@@ -114,7 +118,8 @@ class Commander:
         return True
 
     def begin(self, mode: Mode, goal: Goal | None = None) -> None:
-        """Intend a mode, begin it, and lead it to a goal."""
+        """Intend a mode, begin it, and lead it to a goal; it takes over from the fence."""
+        self._fence_acts = False
         if mode is not self.intended or goal is not None or self.failsafe:
             self.entries += 1
             self.goal = goal or Goal()
@@ -163,7 +168,14 @@ class Commander:
             return
         available = self.health.offboard_available
         decision = decide(
-            Conditions(self.armed, self.intended, available, self._offboard_loss_action)
+            Conditions(
+                self.armed,
+                self.intended,
+                available,
+                self._offboard_loss_action,
+                self._fence_acts,
+                self._fence_action,
+            )
         )
         if decision.failsafe and not self.failsafe:
             self.say(CRITICAL, "Failsafe activated")
@@ -185,6 +197,7 @@ class Commander:
     def _disarm(self, text: str) -> None:
         """Stop, and fall back to the mode that the user last chose and that could be armed."""
         self.armed, self.failsafe, self._landed = False, False, True
+        self._fence_acts = False
         self.intended = self.mode = self._after_disarming
         self.goal = Goal()
         self.entries += 1

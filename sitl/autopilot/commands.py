@@ -4,7 +4,9 @@ import math
 from collections.abc import Callable, Mapping
 
 from sitl.autopilot.commander import CRITICAL, INFO, Commander
-from sitl.autopilot.navigator import Goal
+from sitl.autopilot.mission_commands import MissionCommands
+from sitl.autopilot.missions import Missions
+from sitl.autopilot.navigator import Goal, Navigator
 from sitl.frames import ned_from_geodetic
 from sitl.modes import Mode, mode_of
 from sitl.records import Vector3
@@ -13,7 +15,7 @@ from sitl.vehicle_records import Command, CommandResult
 # MAV_CMD
 NAV_RETURN_TO_LAUNCH, NAV_LAND, NAV_TAKEOFF = 20, 21, 22
 DO_SET_MODE, DO_SET_HOME, DO_FLIGHTTERMINATION, DO_REPOSITION = 176, 179, 185, 192
-PREFLIGHT_REBOOT_SHUTDOWN, MISSION_START, COMPONENT_ARM_DISARM = 246, 300, 400
+PREFLIGHT_REBOOT_SHUTDOWN, COMPONENT_ARM_DISARM = 246, 400
 
 # MAV_RESULT
 ACCEPTED, TEMPORARILY_REJECTED, DENIED, UNSUPPORTED = 0, 1, 2, 3
@@ -22,6 +24,7 @@ FORCE = 21196.0  # COMPONENT_ARM_DISARM.param2
 CUSTOM_MODE = 1  # MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 CHANGE_MODE = 1  # MAV_DO_REPOSITION_FLAGS_CHANGE_MODE
 RELATIVE_FRAMES = {3, 6}  # MAV_FRAME_GLOBAL_RELATIVE_ALT, and its _INT twin
+LATITUDE_MAX_DEG, LONGITUDE_MAX_DEG = 90.0, 180.0
 NAN = math.nan
 
 Handler = Callable[[Command], int | None]
@@ -30,8 +33,11 @@ Handler = Callable[[Command], int | None]
 class Commands:
     """Obeys commands; where a handler gives no result, PX4 stays silent."""
 
-    def __init__(self, commander: Commander, home: Vector3) -> None:
+    def __init__(
+        self, commander: Commander, missions: Missions, navigator: Navigator, home: Vector3
+    ) -> None:
         self._commander = commander
+        self._missions = missions
         self._home = home  # latitude deg, longitude deg, altitude m of the local origin
         self.home_request: Vector3 | None = None  # local NED, NaN for the present position
         self._handlers: Mapping[int, Handler] = {
@@ -43,8 +49,8 @@ class Commands:
             DO_FLIGHTTERMINATION: self._terminate,
             DO_REPOSITION: self._reposition,
             PREFLIGHT_REBOOT_SHUTDOWN: lambda _: DENIED,  # a process is restarted from outside
-            MISSION_START: lambda _: DENIED,  # no missions
             COMPONENT_ARM_DISARM: self._arm_or_disarm,
+            **MissionCommands(commander, missions, navigator).handlers,
         }
 
     def handle(self, command: Command) -> CommandResult | None:
@@ -89,7 +95,15 @@ class Commands:
     def _reposition(self, command: Command) -> int:
         if not _whole(command.params[1]) & CHANGE_MODE:
             return UNSUPPORTED
-        return self._switch(Mode.HOLD, Goal(self._place(command), command.params[3]))
+        latitude, longitude = command.params[4:6]
+        if abs(latitude) > LATITUDE_MAX_DEG or abs(longitude) > LONGITUDE_MAX_DEG:
+            return DENIED
+        place = self._place(command)
+        if not self._missions.permits(place):
+            self._commander.say(CRITICAL, "Reposition is outside geofence")
+            return DENIED
+        speed = command.params[0] if command.params[0] > 0.0 else NAN
+        return self._switch(Mode.HOLD, Goal(place, command.params[3], speed))
 
     def _terminate(self, command: Command) -> int:
         if not self._commander.armed:
@@ -112,6 +126,8 @@ class Commands:
         if command.frame in RELATIVE_FRAMES:
             altitude += self._home[2]
         x, y, z = ned_from_geodetic((latitude, longitude, altitude), self._home)
+        if math.isnan(x) or math.isnan(y):  # half a place is none
+            x = y = NAN
         return (x, y, z)
 
 

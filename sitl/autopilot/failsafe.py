@@ -31,6 +31,8 @@ class Conditions(NamedTuple):
     intended: Mode
     offboard_available: bool
     offboard_loss_action: int  # COM_OBL_RC_ACT
+    fence_breached: bool = False  # and the user has not taken over since
+    fence_action: int = 0  # GF_ACTION
 
 
 class Decision(NamedTuple):
@@ -60,7 +62,16 @@ def offboard_loss(conditions: Conditions) -> Action | None:
     return None
 
 
-ROWS: tuple[Callable[[Conditions], Action | None], ...] = (offboard_loss,)
+# GF_ACTION: none, a warning, hold, return, terminate, land.
+FENCE_ACTIONS = (None, None, Action.HOLD, Action.RETURN, Action.TERMINATE, Action.LAND)
+
+
+def geofence(conditions: Conditions) -> Action | None:
+    """Act when the vehicle has left the fence."""
+    return FENCE_ACTIONS[conditions.fence_action] if conditions.fence_breached else None
+
+
+ROWS: tuple[Callable[[Conditions], Action | None], ...] = (geofence, offboard_loss)
 
 
 def decide(conditions: Conditions) -> Decision:

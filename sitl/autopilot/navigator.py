@@ -7,6 +7,7 @@ import math
 from math import isnan
 from typing import NamedTuple
 
+from sitl.autopilot.mission import Leg, MissionFlight
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.return_home import Phase, ReturnHome
 from sitl.autopilot.setpoint import Setpoint
@@ -27,12 +28,16 @@ class Goal(NamedTuple):
 
     position_ned: Vector3 = (NAN, NAN, NAN)  # m
     yaw_rad: float = NAN
+    speed_m_s: float = NAN  # horizontal
 
 
 class Navigator:
     """Leads the trajectory by the active mode."""
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Parameters, mission: MissionFlight) -> None:
+        self._mission = mission
+        self._leg = Leg()  # of the mission
+        self._speed = NAN  # horizontal, m/s; NaN: the usual one
         self._mode = Mode.HOLD
         self._trajectory = Trajectory(ORIGIN, ORIGIN, ORIGIN)
         self._stopped = True  # the place is held; until then only the speed is
@@ -45,7 +50,8 @@ class Navigator:
     def load(self, parameters: Parameters) -> None:
         """Take speeds and limits from the parameters."""
         p = parameters
-        self._cruise = min(p["MPC_XY_CRUISE"], p["MPC_XY_VEL_MAX"])
+        self._speed_max = p["MPC_XY_VEL_MAX"]
+        self._cruise = min(p["MPC_XY_CRUISE"], self._speed_max)
         self._up, self._down = p["MPC_Z_V_AUTO_UP"], p["MPC_Z_V_AUTO_DN"]
         self._takeoff_speed, self._land_speed = p["MPC_TKO_SPEED"], p["MPC_LAND_SPEED"]
         self._slow_altitudes = (p["MPC_LAND_ALT2"], p["MPC_LAND_ALT1"])
@@ -72,9 +78,14 @@ class Navigator:
         self._trajectory = Trajectory(estimate.position_ned, estimate.velocity_ned, start)
         self._stopped = False
         self._mode, self._goal, self._home_ned = mode, goal, home_ned
+        self._leg, self._speed = Leg(), goal.speed_m_s
         self._yaw_rad = yaw_of(estimate.q_ned_frd)
         if mode is Mode.RTL:
             self._return_home.start(estimate.position_ned, home_ned)
+
+    def change_speed(self, speed_m_s: float) -> None:
+        """Fly faster or slower from now on, horizontally; nothing positive: as usual."""
+        self._speed = speed_m_s if speed_m_s > 0.0 else NAN
 
     def hold_where_takeoff_leads(self) -> None:
         """Go from take-off to hold without a break in the motion."""
@@ -123,15 +134,25 @@ class Navigator:
         if isnan(target[0]):
             trajectory.stop_xy(self._agility_xy)
         else:
-            trajectory.approach_xy(target[0], target[1], self._cruise, self._agility_xy)
+            trajectory.approach_xy(target[0], target[1], self._speed_xy(), self._agility_xy)
         if not isnan(speed_down):
             trajectory.down.lead(speed_down, self._agility_z)
         elif isnan(target[2]):
             trajectory.down.lead(0.0, self._agility_z)
         else:
-            up = self._takeoff_speed if self._mode is Mode.TAKEOFF else self._up
+            climbs = self._mode is Mode.TAKEOFF or self._leg.climbs
+            up = self._takeoff_speed if climbs else self._up
             speed_max = self._down if target[2] > trajectory.down.position else up
             trajectory.approach_z(target[2], speed_max, self._agility_z)
+
+    def _speed_xy(self) -> float:
+        """Cruise at the speed that was asked for, by command or by the mission."""
+        for wanted in (self._speed, self._mission.speed_m_s):
+            if not isnan(wanted):
+                return min(wanted, self._speed_max)
+            if self._mode is not Mode.MISSION:
+                break
+        return self._cruise
 
     def _is_slow(self, estimate: Estimate) -> bool:
         """Whether the trajectory has stopped horizontally, and the vehicle nearly so."""
@@ -146,6 +167,10 @@ class Navigator:
         if mode is Mode.RTL:
             phase, target = self._return_home.update(estimate.time_us, position)
             return target, self._landing_speed(position) if phase is Phase.LAND else NAN
+        if mode is Mode.MISSION:
+            leg = self._leg = self._mission.update(estimate)
+            self._goal = self._goal._replace(yaw_rad=leg.yaw_rad)
+            return leg.target_ned, self._landing_speed(position) if leg.lands else NAN
         if mode is Mode.LAND:
             return stop, self._landing_speed(position)
         if mode is Mode.TAKEOFF:  # straight up, and sideways only afterwards

@@ -3,13 +3,14 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from sitl.mavlink import file_server, mission_server, time_server
+from sitl.mavlink import file_server, time_server
 from sitl.mavlink.camera_component import CameraComponent
 from sitl.mavlink.command_server import CommandServer, is_addressed
 from sitl.mavlink.dialect import AUTOPILOT, CAMERA, REFEREE, Message, mavlink
 from sitl.mavlink.framing import Received
 from sitl.mavlink.ground_station import GroundStationWatch
 from sitl.mavlink.link import Link
+from sitl.mavlink.mission_server import MissionServer
 from sitl.mavlink.outgoing import Outgoing, Port
 from sitl.mavlink.parameter_server import ParameterServer
 from sitl.mavlink.referee_component import RefereeComponent
@@ -30,6 +31,7 @@ class Servers:
     camera: CameraComponent
     referee: RefereeComponent
     commands: CommandServer
+    missions: MissionServer
     parameters: ParameterServer
     setpoints: SetpointServer
     ground_station: GroundStationWatch
@@ -86,9 +88,7 @@ class Dispatcher:
             mavlink.MAVLINK_MSG_ID_PARAM_REQUEST_LIST: parameters.request_list,
             mavlink.MAVLINK_MSG_ID_PARAM_REQUEST_READ: parameters.request_read,
             mavlink.MAVLINK_MSG_ID_PARAM_SET: parameters.set,
-            mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_LIST: mission_server.answer_list,
-            mavlink.MAVLINK_MSG_ID_MISSION_COUNT: mission_server.answer_upload,
-            mavlink.MAVLINK_MSG_ID_MISSION_CLEAR_ALL: mission_server.answer_clear,
+            **self._servers.missions.handlers,
             mavlink.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL: file_server.answer_file_transfer,
             mavlink.MAVLINK_MSG_ID_LOG_REQUEST_LIST: file_server.answer_log_list,
             mavlink.MAVLINK_MSG_ID_SETUP_SIGNING: self._servers.signing.set_up,

@@ -15,6 +15,7 @@ from sitl.mavlink.forwarding import Forwarder
 from sitl.mavlink.ground_station import GroundStationWatch
 from sitl.mavlink.health import heartbeat_now
 from sitl.mavlink.link import Guard, Link
+from sitl.mavlink.mission_server import MissionServer
 from sitl.mavlink.outgoing import Outgoing, Port
 from sitl.mavlink.parameter_server import ParameterServer
 from sitl.mavlink.referee_component import RefereeComponent
@@ -52,6 +53,7 @@ class Endpoint:
             camera=CameraComponent(camera),
             referee=RefereeComponent(vehicle),
             commands=CommandServer(vehicle, system),
+            missions=MissionServer(vehicle, self._outgoing.broadcast, self._outgoing.say),
             parameters=ParameterServer(vehicle.parameters, self._outgoing.broadcast_packet),
             setpoints=SetpointServer(vehicle),
             ground_station=GroundStationWatch(),
@@ -74,6 +76,7 @@ class Endpoint:
         time_us = self._vehicle.time_us
         self._outgoing.send_streams(time_us, self._view)
         self._send_texts()
+        self._servers.missions.advance()
         for message in self._servers.referee.events():
             self._outgoing.broadcast(message, REFEREE)
         if self._once_a_second.due(time_us):

@@ -2,6 +2,7 @@
 
 from sitl.mavlink.dialect import Message, mavlink
 from sitl.mavlink.view import View
+from sitl.mission_records import MissionProgress
 from sitl.records import SensorHealth
 
 MAVLINK_VERSION = 3
@@ -22,7 +23,7 @@ ESTIMATOR_ALL = 1023
 ESTIMATOR_ATTITUDE = 1
 ESTIMATOR_VERTICAL = 4 | 32  # vertical velocity, absolute height
 NO_MISSION_TOTAL = 65535
-MISSION_MODE_NO = 2  # "not in mission mode"
+IN_MISSION_MODE, NOT_IN_MISSION_MODE = 1, 2  # MISSION_CURRENT.mission_mode
 STANDARD_MODES = {  # MAV_STANDARD_MODE by the name of our mode
     "POSCTL": 1,
     "ALTCTL": 4,
@@ -138,10 +139,18 @@ def current_mode(view: View) -> Message:
     )
 
 
-def mission_current(_view: View) -> Message:
-    """MISSION_CURRENT of the autopilot: it has no mission."""
+def mission_current(view: View) -> Message:
+    """MISSION_CURRENT of the autopilot."""
+    return mission_progress(view.mission)
+
+
+def mission_progress(progress: MissionProgress) -> Message:
+    """MISSION_CURRENT: the item that is flown, of how many, and how it goes."""
     return mavlink.MAVLink_mission_current_message(
-        0, NO_MISSION_TOTAL, mavlink.MISSION_STATE_NO_MISSION, MISSION_MODE_NO
+        progress.sequence,
+        progress.total or NO_MISSION_TOTAL,
+        progress.state,
+        IN_MISSION_MODE if progress.in_mission_mode else NOT_IN_MISSION_MODE,
     )
 
 

@@ -2,6 +2,7 @@
 
 from typing import Protocol
 
+from sitl.mission_records import MissionItem, MissionProgress, MissionResult, Plan, PlanKind
 from sitl.records import (
     CourseEvent,
     CourseStatus,
@@ -42,8 +43,35 @@ class Parameters(Protocol):
         """Change a value; raises UsageError if it is not allowed."""
 
 
+class Missions(Protocol):
+    """The plans that are kept, and how far the flight of one has come."""
+
+    @property
+    def progress(self) -> MissionProgress:
+        """Where the mission stands."""
+
+    def plan(self, kind: PlanKind) -> Plan:
+        """Give a list, empty if there is none."""
+
+    def check(self, kind: PlanKind, item: MissionItem) -> MissionResult:
+        """Say whether an item can be flown or kept."""
+
+    def replace(self, kind: PlanKind, plan: Plan, current: int) -> MissionResult:
+        """Take a whole new list, or refuse it and keep the old one."""
+
+    def set_current(self, sequence: int) -> bool:
+        """Go to an item; False if there is no such item."""
+
+    def drain_reached(self) -> list[int]:
+        """Hand over the items that were reached since the last call."""
+
+
 class Autopilot(Protocol):
     """Whoever flies the vehicle."""
+
+    @property
+    def missions(self) -> Missions:
+        """Its missions, fences and rally points."""
 
     @property
     def status(self) -> VehicleStatus:

@@ -5,6 +5,7 @@ from functools import cached_property
 
 from sitl.frames import euler_from_quaternion, geodetic_from_ned
 from sitl.mavlink.vehicle import Vehicle
+from sitl.mission_records import MissionProgress
 from sitl.records import Vector3
 from sitl.vehicle_records import SetpointEcho, VehicleStatus
 
@@ -35,6 +36,11 @@ class View:
     def euler_rad(self) -> Vector3:
         """Estimated roll, pitch, yaw."""
         return euler_from_quaternion(self.estimate.q_ned_frd)
+
+    @property
+    def mission(self) -> MissionProgress:
+        """How far the mission has come."""
+        return self._autopilot.missions.progress
 
     @property
     def heading_deg(self) -> float:

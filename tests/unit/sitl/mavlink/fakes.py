@@ -7,6 +7,14 @@ from sitl.errors import UsageError
 from sitl.mavlink.framing import Packet, frame, split
 from sitl.mavlink.request import Request
 from sitl.mavlink.streams import GROUND_STATION, StreamTable
+from sitl.mission_records import (
+    MissionItem,
+    MissionProgress,
+    MissionResult,
+    MissionState,
+    Plan,
+    PlanKind,
+)
 from sitl.modes import Mode
 from sitl.records import (
     CourseEvent,
@@ -99,12 +107,47 @@ class FakeParameters:
         self.version += 1
 
 
+class FakeMissions:
+    """Keeps plans; takes what it is told to."""
+
+    def __init__(self) -> None:
+        self.plans: dict[PlanKind, Plan] = dict.fromkeys(PlanKind, ())
+        self.progress = MissionProgress(0, 0, MissionState.NO_MISSION, in_mission_mode=False)
+        self.reached: list[int] = []
+        self.item_result = self.plan_result = MissionResult.ACCEPTED
+
+    def plan(self, kind: PlanKind) -> Plan:
+        return self.plans[kind]
+
+    def check(self, _kind: PlanKind, _item: MissionItem) -> MissionResult:
+        return self.item_result
+
+    def replace(self, kind: PlanKind, plan: Plan, current: int) -> MissionResult:
+        if self.plan_result is MissionResult.ACCEPTED:
+            self.plans[kind] = plan
+            if kind is PlanKind.MISSION:
+                state = MissionState.NOT_STARTED if plan else MissionState.NO_MISSION
+                self.progress = MissionProgress(current, len(plan), state, in_mission_mode=False)
+        return self.plan_result
+
+    def set_current(self, sequence: int) -> bool:
+        known = sequence < self.progress.total
+        if known:
+            self.progress = self.progress._replace(sequence=sequence)
+        return known
+
+    def drain_reached(self) -> list[int]:
+        reached, self.reached = self.reached, []
+        return reached
+
+
 @dataclass
 class FakeAutopilot:
     """Remembers what it is told."""
 
     status: VehicleStatus = STATUS
     setpoint_echo: SetpointEcho = ECHO
+    missions: FakeMissions = field(default_factory=FakeMissions)
     yaw_rad: float = 0.0
     result: int | None = 0
     commands: list[Command] = field(default_factory=list)

@@ -258,7 +258,9 @@ def test_no_message_of_any_content_raises(bench: Bench, message_id: int, payload
     bench.api.take()
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=300)
+@settings(
+    suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=300, deadline=None
+)
 @given(
     st.sampled_from(["command_long", "command_int"]),
     st.sampled_from([16, 20, 21, 22, 176, 192, 246, 400, 510, 511, 512, 519, 520, 521, 31999]),

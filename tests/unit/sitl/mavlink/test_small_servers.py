@@ -1,11 +1,11 @@
-"""The servers that answer in one message: time, missions, files, logs."""
+"""The servers that answer in one message: time, files, logs."""
 
 import struct
 from typing import Any
 
 import pytest
 
-from sitl.mavlink import file_server, mission_server, time_server
+from sitl.mavlink import file_server, time_server
 from sitl.mavlink.dialect import mavlink
 from tests.unit.sitl.mavlink.fakes import FakeOutlet, make_request
 
@@ -41,34 +41,6 @@ def test_a_ping_to_everybody_is_answered_to_its_sender(outlet: FakeOutlet) -> No
 def test_a_ping_to_the_vehicle_is_an_answer_and_gets_none(outlet: FakeOutlet) -> None:
     time_server.answer_ping(mavlink.MAVLink_ping_message(123, 9, 1, 1), make_request(outlet))
     assert outlet.messages == []
-
-
-@pytest.mark.parametrize("kind", [0, 1, 2])
-def test_every_mission_list_is_empty(outlet: FakeOutlet, kind: int) -> None:
-    message = mavlink.MAVLink_mission_request_list_message(1, 1, kind)
-    mission_server.answer_list(message, make_request(outlet, system=42, component=7))
-    (answer,) = outlet.messages
-    assert (answer.get_type(), answer.count, answer.mission_type) == ("MISSION_COUNT", 0, kind)
-    assert (answer.target_system, answer.target_component) == (42, 7)
-
-
-def test_a_list_of_an_unknown_type_is_refused(outlet: FakeOutlet) -> None:
-    message = mavlink.MAVLink_mission_request_list_message(1, 1, 77)
-    mission_server.answer_list(message, make_request(outlet))
-    assert outlet.messages[0].type == mavlink.MAV_MISSION_UNSUPPORTED
-
-
-@pytest.mark.parametrize(("count", "result"), [(0, 0), (3, 3)])
-def test_uploads_are_refused_unless_empty(outlet: FakeOutlet, count: int, result: int) -> None:
-    message = mavlink.MAVLink_mission_count_message(1, 1, count, 0)
-    mission_server.answer_upload(message, make_request(outlet))
-    assert [(a.get_type(), a.type) for a in outlet.messages] == [("MISSION_ACK", result)]
-
-
-def test_clearing_is_accepted(outlet: FakeOutlet) -> None:
-    message = mavlink.MAVLink_mission_clear_all_message(1, 1, 255)
-    mission_server.answer_clear(message, make_request(outlet))
-    assert [(a.type, a.mission_type) for a in outlet.messages] == [(0, 255)]
 
 
 def transfer(opcode: int, outlet: FakeOutlet) -> list[Any]:
