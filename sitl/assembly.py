@@ -2,11 +2,15 @@
 
 from collections.abc import Sequence
 from contextlib import ExitStack, closing
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
+from sitl.autopilot.parameters import Parameters, ParameterType
 from sitl.camera_stream import CameraStream
 from sitl.mavlink.camera_component import CameraFacts
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.link import Guard, Link
+from sitl.mavlink.storage import Storage
 from sitl.mavlink.tlog import TlogWriter
 from sitl.options import Options
 from sitl.sensors.camera import FIELD_OF_VIEW_DEG, SIZE_PX
@@ -33,7 +37,11 @@ def assemble(
         camera=_describe_camera(stream),
         unix_epoch_us=unix_epoch_us,
         guard=guard,
+        storage=stack.enter_context(
+            closing(_make_storage(options, simulation, unix_epoch_us, stack))
+        ),
     )
+    stack.callback(endpoint.close)
     server = Server(
         simulation,
         endpoint,
@@ -68,6 +76,36 @@ def _make_simulation(options: Options) -> Simulation:
         simulation.parameters.set_from_text(name, text)
     simulation.parameters.set("MAV_SYS_ID", options.system)
     return simulation
+
+
+def _make_storage(
+    options: Options, simulation: Simulation, unix_epoch_us: int, stack: ExitStack
+) -> Storage:
+    folder = options.files
+    if folder is None:
+        folder = Path(stack.enter_context(TemporaryDirectory(prefix="flightstack-sitl-")))
+    return Storage(
+        folder,
+        parameters=_describe_parameters(simulation.parameters),
+        unix_epoch_us=unix_epoch_us,
+        clock=lambda: simulation.time_us,
+    )
+
+
+def _describe_parameters(parameters: Parameters) -> list[dict[str, str | float]]:
+    """Put the parameters into the words of MAVLink's parameter metadata."""
+    return [
+        {
+            "name": spec.name,
+            "type": "Int32" if spec.type is ParameterType.INT32 else "Float",
+            "group": spec.name.partition("_")[0],
+            "default": spec.default,
+            "min": spec.minimum,
+            "max": spec.maximum,
+            "units": spec.unit,
+        }
+        for spec in map(parameters.specification, parameters.names())
+    ]
 
 
 def _describe_camera(stream: CameraStream) -> CameraFacts:

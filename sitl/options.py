@@ -39,6 +39,7 @@ class Options:
     home: Vector3
     log: Path | None
     signing_key: Path | None
+    files: Path | None
     gcs_ports: tuple[int, int]  # local, remote
     api_ports: tuple[int, int]
     camera_port: int
@@ -81,6 +82,7 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
         home=_first(given.home, _home_from(environment), HOME),
         log=given.log,
         signing_key=given.signing_key,
+        files=given.files,
         gcs_ports=given.gcs_link or (GCS_PORTS[0] + instance, GCS_PORTS[1]),
         api_ports=given.api_link
         or (API_PORTS[0] + instance, min(API_PORTS[1] + instance, API_REMOTE_LAST)),
@@ -150,6 +152,9 @@ def _add_connections(parser: argparse.ArgumentParser) -> None:
     wire.add_argument("--camera-port", type=_port, metavar="P", help="HTTP port of the camera")
     wire.add_argument(
         "--signing-key", type=Path, metavar="FILE", help="heed only what is signed with this key"
+    )
+    wire.add_argument(
+        "--files", type=Path, metavar="DIR", help="folder of flight logs that may be fetched"
     )
     wire.add_argument("--log", type=Path, metavar="PATH", help="write all traffic as a tlog")
     wire.add_argument("-v", "--verbose", action="count", default=0, help="say more")

@@ -14,6 +14,8 @@ from sitl.mavlink.identity import (
     available_modes,
     protocol_version,
 )
+from sitl.mavlink.metadata import Metadata
+from sitl.mavlink.newer_messages import ComponentMetadata
 from sitl.mavlink.request import Request
 from sitl.mavlink.vehicle import Vehicle
 from sitl.mavlink.view import View
@@ -77,8 +79,9 @@ def parse(message: Message) -> Command | None:
 class CommandServer:
     """The autopilot component's side of the command protocol."""
 
-    def __init__(self, vehicle: Vehicle, system: int) -> None:
+    def __init__(self, vehicle: Vehicle, system: int, metadata: Metadata | None = None) -> None:
         self._vehicle = vehicle
+        self._metadata = metadata
         self._system = system
         self._handlers = {
             SET_MESSAGE_INTERVAL: self._set_interval,
@@ -122,6 +125,8 @@ class CommandServer:
             return self._request_protocol_version(command, request)
         if message_id == mavlink.MAVLINK_MSG_ID_AVAILABLE_MODES:
             messages = available_modes(_whole(command.params[1]) or 0)
+        elif message_id == ComponentMetadata.id and self._metadata is not None:
+            messages = [self._metadata.message(self._vehicle.time_us)]
         else:
             encode = ENCODERS.get(-1 if message_id is None else message_id)
             message = encode(View(self._vehicle)) if encode else None

@@ -3,13 +3,16 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from sitl.mavlink import file_server, time_server
+from sitl.mavlink import event_server, time_server
 from sitl.mavlink.camera_component import CameraComponent
 from sitl.mavlink.command_server import CommandServer, is_addressed
 from sitl.mavlink.dialect import AUTOPILOT, CAMERA, REFEREE, Message, mavlink
+from sitl.mavlink.file_server import FileServer
 from sitl.mavlink.framing import Received
 from sitl.mavlink.ground_station import GroundStationWatch
 from sitl.mavlink.link import Link
+from sitl.mavlink.log_server import LogServer
+from sitl.mavlink.newer_messages import RequestEvent
 from sitl.mavlink.mission_server import MissionServer
 from sitl.mavlink.outgoing import Outgoing, Port
 from sitl.mavlink.parameter_server import ParameterServer
@@ -36,6 +39,8 @@ class Servers:
     setpoints: SetpointServer
     ground_station: GroundStationWatch
     signing: SigningServer
+    files: FileServer
+    logs: LogServer
 
 
 class Dispatcher:
@@ -82,16 +87,20 @@ class Dispatcher:
             self._for_referee[message_id](message, self._request(received, link, REFEREE))
 
     def _addressed_handlers(self) -> Mapping[int, Handler]:
-        parameters = self._servers.parameters
+        parameters, logs = self._servers.parameters, self._servers.logs
         return {
             mavlink.MAVLINK_MSG_ID_SET_MODE: self._servers.commands.set_mode,
             mavlink.MAVLINK_MSG_ID_PARAM_REQUEST_LIST: parameters.request_list,
             mavlink.MAVLINK_MSG_ID_PARAM_REQUEST_READ: parameters.request_read,
             mavlink.MAVLINK_MSG_ID_PARAM_SET: parameters.set,
             **self._servers.missions.handlers,
-            mavlink.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL: file_server.answer_file_transfer,
-            mavlink.MAVLINK_MSG_ID_LOG_REQUEST_LIST: file_server.answer_log_list,
+            mavlink.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL: self._servers.files.answer,
+            mavlink.MAVLINK_MSG_ID_LOG_REQUEST_LIST: logs.request_list,
+            mavlink.MAVLINK_MSG_ID_LOG_REQUEST_DATA: logs.request_data,
+            mavlink.MAVLINK_MSG_ID_LOG_REQUEST_END: logs.request_end,
+            mavlink.MAVLINK_MSG_ID_LOG_ERASE: logs.erase,
             mavlink.MAVLINK_MSG_ID_SETUP_SIGNING: self._servers.signing.set_up,
+            RequestEvent.id: event_server.answer_request,
         }
 
     def _request(self, received: Received, link: Link, component: int) -> Request:

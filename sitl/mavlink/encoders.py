@@ -2,8 +2,9 @@
 
 from collections.abc import Callable, Mapping
 
-from sitl.mavlink import health, identity, motion, sensing
+from sitl.mavlink import event_server, health, identity, motion, sensing
 from sitl.mavlink.dialect import Message, mavlink
+from sitl.mavlink.newer_messages import CurrentEventSequence
 from sitl.mavlink.view import View
 
 Encoder = Callable[[View], Message | None]  # None: not known (yet)
@@ -35,4 +36,5 @@ ENCODERS: Mapping[int, Encoder] = {
     mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: health.extended_sys_state,
     mavlink.MAVLINK_MSG_ID_ODOMETRY: motion.odometry,
     mavlink.MAVLINK_MSG_ID_CURRENT_MODE: health.current_mode,
+    CurrentEventSequence.id: event_server.current_event_sequence,
 }

@@ -11,21 +11,25 @@ from sitl.mavlink.camera_component import CameraComponent, CameraFacts
 from sitl.mavlink.command_server import CommandServer
 from sitl.mavlink.dialect import AUTOPILOT, CAMERA, REFEREE
 from sitl.mavlink.dispatch import Dispatcher, Servers
+from sitl.mavlink.file_server import FileServer
 from sitl.mavlink.forwarding import Forwarder
 from sitl.mavlink.ground_station import GroundStationWatch
 from sitl.mavlink.health import heartbeat_now
 from sitl.mavlink.link import Guard, Link
+from sitl.mavlink.log_server import LogServer
 from sitl.mavlink.mission_server import MissionServer
 from sitl.mavlink.outgoing import Outgoing, Port
 from sitl.mavlink.parameter_server import ParameterServer
 from sitl.mavlink.referee_component import RefereeComponent
 from sitl.mavlink.setpoint_server import SetpointServer
 from sitl.mavlink.signing_server import SigningServer
+from sitl.mavlink.storage import Storage
 from sitl.mavlink.vehicle import Vehicle
 from sitl.mavlink.view import View
 from sitl.records import Frame
 
 COMPONENTS = (AUTOPILOT, CAMERA, REFEREE)
+LOG_LOOK_HZ = 10  # how often it is looked whether a flight begins or ends
 
 
 class Endpoint:
@@ -40,24 +44,31 @@ class Endpoint:
         camera: CameraFacts,
         unix_epoch_us: int = 0,
         guard: Guard | None = None,
+        storage: Storage | None = None,
     ) -> None:
-        """Serve the vehicle on its links, which share the guard."""
+        """Serve the vehicle on its links, which share the guard; the storage is logged to."""
         guard = guard or Guard()
+        self._storage = storage or Storage()
+        for link in links:
+            link.add_tap(self._storage.logs)
         self._vehicle = vehicle
         self._unix_epoch_us = unix_epoch_us
         self._outgoing = Outgoing(links)
         self._forwarder = Forwarder(links, system)
         self._once_a_second = Schedule(1)
+        self._log_looks = Schedule(LOG_LOOK_HZ)
         self._published_us = vehicle.time_us
         self._servers = Servers(
             camera=CameraComponent(camera),
             referee=RefereeComponent(vehicle),
-            commands=CommandServer(vehicle, system),
+            commands=CommandServer(vehicle, system, self._storage.metadata),
             missions=MissionServer(vehicle, self._outgoing.broadcast, self._outgoing.say),
             parameters=ParameterServer(vehicle.parameters, self._outgoing.broadcast_packet),
             setpoints=SetpointServer(vehicle),
             ground_station=GroundStationWatch(),
             signing=SigningServer(vehicle, guard),
+            files=FileServer(self._storage.files, lambda: vehicle.time_us, guard.refusals),
+            logs=LogServer(self._storage.logs, guard.refusals),
         )
         ports = {(link.index, c): Port(link, c) for link in links for c in COMPONENTS}
         self._dispatcher = Dispatcher(vehicle, self._servers, self._outgoing, ports, system=system)
@@ -68,12 +79,19 @@ class Endpoint:
 
     @property
     def is_listing(self) -> bool:
-        """Whether a parameter list is under way."""
-        return self._servers.parameters.is_listing
+        """Whether a parameter list or a log is under way."""
+        return self._servers.parameters.is_listing or self._servers.logs.is_sending
+
+    def close(self) -> None:
+        """Close the files that are being fetched."""
+        self._servers.files.close()
+        self._servers.logs.close()
 
     def publish(self) -> None:
         """Send what is due at the present vehicle time."""
         time_us = self._vehicle.time_us
+        if self._log_looks.due(time_us):
+            self._storage.logs.follow(armed=self._vehicle.autopilot.status.armed)
         self._outgoing.send_streams(time_us, self._view)
         self._send_texts()
         self._servers.missions.advance()
@@ -82,7 +100,7 @@ class Endpoint:
         if self._once_a_second.due(time_us):
             self._publish_each_second(time_us)
         if self.is_listing:
-            self._servers.parameters.advance(time_us - self._published_us)
+            self.advance_lists(time_us - self._published_us)
         self._published_us = time_us
 
     def publish_trigger(self, frame: Frame) -> None:
@@ -95,8 +113,9 @@ class Endpoint:
         self._broadcast_component_heartbeats()
 
     def advance_lists(self, elapsed_us: int) -> None:
-        """Send more of the parameter lists while the clock stands."""
+        """Send more of parameter lists and logs; called by itself while the clock stands."""
         self._servers.parameters.advance(elapsed_us)
+        self._servers.logs.advance(elapsed_us)
 
     def receive(self, link: Link) -> bool:
         """Take one datagram and answer it; False if none waits. Never raises for its content."""
@@ -119,6 +138,7 @@ class Endpoint:
 
     def _publish_each_second(self, time_us: int) -> None:
         self._broadcast_component_heartbeats()
+        self._storage.logs.flush()
         self._outgoing.broadcast(self._servers.referee.score(), REFEREE)
         timeout_s = self._vehicle.parameters.get("COM_DL_LOSS_T")
         text = self._servers.ground_station.check(time_us, timeout_s)

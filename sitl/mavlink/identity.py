@@ -16,13 +16,14 @@ CAPABILITIES = (
     | mavlink.MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
     | mavlink.MAV_PROTOCOL_CAPABILITY_MISSION_INT
     | mavlink.MAV_PROTOCOL_CAPABILITY_COMMAND_INT
+    | mavlink.MAV_PROTOCOL_CAPABILITY_FTP
     | mavlink.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
     | mavlink.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
     | mavlink.MAV_PROTOCOL_CAPABILITY_FLIGHT_TERMINATION
     | mavlink.MAV_PROTOCOL_CAPABILITY_MAVLINK2
     | mavlink.MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
     | mavlink.MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
-)  # PX4's, without file transfer and attitude setpoints, which this vehicle has not
+)  # PX4's, without attitude setpoints, which this vehicle has not
 HARDWARE_UID = 0x53494D00  # "SIM", plus the system id
 PROTOCOL_VERSION_ID = 300
 PROTOCOL_VERSION_CRC_EXTRA = 217  # of MAVLink's PROTOCOL_VERSION, which pymavlink leaves out

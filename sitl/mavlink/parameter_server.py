@@ -1,12 +1,12 @@
 """Serve the parameters: list, read, set, in PX4's bytewise encoding."""
 
 import struct
-import zlib
 from collections.abc import Callable
 from contextlib import suppress
 
 from sitl.clock import SECOND_US
 from sitl.errors import UsageError
+from sitl.mavlink.crc32 import crc32
 from sitl.mavlink.dialect import Message, mavlink
 from sitl.mavlink.framing import Packet
 from sitl.mavlink.request import Outlet, Request
@@ -86,7 +86,7 @@ class ParameterServer:
         for name in self._names:
             value = self._parameters.get(name)
             kind = self._parameters.type_of(name)
-            state = _crc32(name.encode() + _value_bytes(value, kind), state)
+            state = crc32(name.encode() + _value_bytes(value, kind), state)
         return self._packet(HASH_NAME, struct.pack("<I", state), UINT32, HASH_INDEX)
 
     def _packet(self, name: str, value: bytes, kind: int, index: int) -> Packet:
@@ -103,8 +103,3 @@ def _decode(field: float, kind: int) -> float:
     if kind == INT32:
         return int(struct.unpack("<i", struct.pack("<f", field))[0])
     return field
-
-
-def _crc32(data: bytes, state: int) -> int:
-    """CRC-32 without the inversions at start and end, as PX4 and QGroundControl compute it."""
-    return zlib.crc32(data, state ^ 0xFFFFFFFF) ^ 0xFFFFFFFF

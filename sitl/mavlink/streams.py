@@ -2,7 +2,7 @@
 
 Rates in Hz. `NORMAL` and `ONBOARD` are the defaults of PX4's link modes; PX4's start script for
 simulation raises some on the ground station's link. Left out is what this vehicle cannot fill:
-open drone id, distance sensor, link statistics, events.
+open drone id, distance sensor, link statistics.
 """
 
 import heapq
@@ -13,6 +13,7 @@ from fractions import Fraction
 
 from sitl.clock import SECOND_US, Schedule
 from sitl.mavlink.dialect import mavlink
+from sitl.mavlink.newer_messages import CurrentEventSequence
 
 HEARTBEAT = mavlink.MAVLINK_MSG_ID_HEARTBEAT
 DISABLED_US = -1  # MESSAGE_INTERVAL
@@ -41,6 +42,7 @@ NORMAL: Rates = {
     mavlink.MAVLINK_MSG_ID_HOME_POSITION: 0.5,
     mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS: 0.5,
     mavlink.MAVLINK_MSG_ID_CURRENT_MODE: 0.5,
+    CurrentEventSequence.id: 0.33,
     mavlink.MAVLINK_MSG_ID_PING: 0.1,
     mavlink.MAVLINK_MSG_ID_VIBRATION: 0.1,
 }

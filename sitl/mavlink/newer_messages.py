@@ -1,0 +1,71 @@
+"""MAVLink messages that PX4 and ground stations speak and pymavlink's dialects leave out.
+
+They are given to pymavlink's table, so that they are packed, read and forwarded like the others.
+"""
+
+import struct
+from typing import Any
+
+from pymavlink.dialects.v20 import development
+
+Message = Any  # pymavlink ships no types
+
+
+def _define(
+    number: int, name: str, crc_extra: int, layout: str, fields: tuple[str, ...]
+) -> type[Message]:
+    """Make a message class; `fields` in the order of the wire, all numbers but a last text."""
+
+    def initialise(self: Message, *values: Any) -> None:
+        development.MAVLink_message.__init__(self, number, name)
+        self._fieldnames = list(fields)
+        for field, value in zip(fields, values, strict=True):
+            setattr(self, field, value)
+
+    def pack(self: Message, mav: Any, force_mavlink1: bool = False) -> bytes:  # noqa: FBT001, FBT002
+        values = [getattr(self, field) for field in fields]
+        payload = self.unpacker.pack(*values)
+        return bytes(self._pack(mav, crc_extra, payload, force_mavlink1=force_mavlink1))
+
+    has_text = layout.endswith("s")
+    count = len(fields)
+    message_type = type(
+        f"MAVLink_{name.lower()}_message",
+        (development.MAVLink_message,),
+        {
+            "__init__": initialise,
+            "pack": pack,
+            "id": number,
+            "msgname": name,
+            "fieldnames": list(fields),
+            "ordered_fieldnames": list(fields),
+            "fieldtypes": ["number"] * (count - has_text) + ["char"] * has_text,
+            "orders": list(range(count)),
+            "lengths": [1] * count,
+            "array_lengths": [0] * count,
+            "crc_extra": crc_extra,
+            "unpacker": struct.Struct(layout),
+        },
+    )
+    development.mavlink_map[number] = message_type
+    return message_type
+
+
+ComponentMetadata = _define(
+    397, "COMPONENT_METADATA", 182, "<II100s", ("time_boot_ms", "file_crc", "uri")
+)
+CurrentEventSequence = _define(411, "CURRENT_EVENT_SEQUENCE", 106, "<HB", ("sequence", "flags"))
+RequestEvent = _define(
+    412,
+    "REQUEST_EVENT",
+    33,
+    "<HHBB",
+    ("first_sequence", "last_sequence", "target_system", "target_component"),
+)
+ResponseEventError = _define(
+    413,
+    "RESPONSE_EVENT_ERROR",
+    77,
+    "<HHBBB",
+    ("sequence", "sequence_oldest_available", "target_system", "target_component", "reason"),
+)
