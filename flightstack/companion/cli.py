@@ -53,6 +53,7 @@ def build_parser() -> argparse.ArgumentParser:
     add("--speed-scale", type=_positive, default=1.0, metavar="X", help="factor on commands (1)")
     add("--timeout", type=_positive, default=60.0, metavar="S", help="to find the vehicle (60)")
     add("--log", type=Path, metavar="PATH", help="tlog (default logs/companion-<UTC>.tlog)")
+    add("--signing-key", type=Path, metavar="FILE", help="sign, and heed only what is signed")
     add("--record-frames", action="store_true", help="keep each frame as PNG, in LOG.frames")
     add("--json", action="store_true", help="last line of output: the result as JSON")
     loudness = parser.add_mutually_exclusive_group()
@@ -81,6 +82,7 @@ def _fly(arguments: argparse.Namespace) -> int:
     from flightstack.companion.progress import Progress  # noqa: PLC0415
     from flightstack.companion.signals import ending_at_once  # noqa: PLC0415
     from flightstack.mavlink.endpoint import parse_endpoint  # noqa: PLC0415
+    from flightstack.mavlink.signing import load_key  # noqa: PLC0415
 
     plan = FlightPlan(
         endpoint=parse_endpoint(arguments.connect or arguments.udp or DEFAULT_PORT),
@@ -91,6 +93,7 @@ def _fly(arguments: argparse.Namespace) -> int:
         duration_s=arguments.duration,
         speed_scale=arguments.speed_scale,
         timeout_s=arguments.timeout,
+        signing_key=None if arguments.signing_key is None else load_key(arguments.signing_key),
     )
 
     def load_pilot() -> Pilot:

@@ -23,7 +23,9 @@ IDLE_S = 0.1
 def wait_for_vehicle(vehicle: Vehicle, timeout_s: float, *, name: str) -> None:
     """Return once a PX4 vehicle has been heard; raises LinkError after `timeout_s`."""
     if not _receive_until(vehicle, lambda: vehicle.link.vehicle is not None, timeout_s):
-        raise LinkError(f"no vehicle heard on {name} for {timeout_s:g} s; is it running?")
+        refused = ", ".join(verdict.value for verdict in vehicle.link.refused)
+        why = f"what came was refused: {refused}" if refused else "is it running?"
+        raise LinkError(f"no vehicle heard on {name} for {timeout_s:g} s; {why}")
     found = vehicle.link.vehicle
     if found is not None and found.autopilot != common.MAV_AUTOPILOT_PX4:
         raise LinkError(

@@ -3,7 +3,7 @@
 import contextlib
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from flightstack.camera.camera import open_camera
@@ -19,6 +19,7 @@ from flightstack.companion.summary import Summary
 from flightstack.companion.vehicle import Vehicle
 from flightstack.mavlink.endpoint import Endpoint
 from flightstack.mavlink.link import Link
+from flightstack.mavlink.signing import Signing
 from flightstack.mavlink.tlog import TlogWriter
 from flightstack.mavlink.transport import open_transport
 
@@ -35,6 +36,7 @@ class FlightPlan:
     duration_s: float | None = None  # in OFFBOARD, vehicle time
     speed_scale: float = 1.0
     timeout_s: float = 60.0  # for vehicle and camera to be found, wall time
+    signing_key: bytes | None = field(default=None, repr=False)
 
 
 def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], progress: Progress) -> Summary:
@@ -48,7 +50,8 @@ def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], progress: Progress) -
         stack.callback(tlog.close)
         reporter.watch(tlog)
         recorder = _open_recorder(plan, reporter, stack)
-        link = Link(open_transport(plan.endpoint), tlog, clock)
+        signing = None if plan.signing_key is None else Signing(plan.signing_key)
+        link = Link(open_transport(plan.endpoint), tlog, clock, signing=signing)
         stack.callback(link.close)
         vehicle = Vehicle(link, plan.takeoff_altitude_m, publish_members=plan.record_frames)
         pilot = load_pilot()
@@ -82,6 +85,9 @@ def _find(vehicle: Vehicle, plan: FlightPlan, progress: Progress) -> str:
     """Wait for the vehicle; return the URI of its camera, or of the one that was named."""
     progress.event(f"waiting for the vehicle on {plan.endpoint}")
     wait_for_vehicle(vehicle, plan.timeout_s, name=str(plan.endpoint))
+    found = vehicle.link.vehicle
+    if found is not None and found.signs and plan.signing_key is None:
+        progress.warning("the vehicle signs its messages and may heed only such: see --signing-key")
     uri = plan.camera or find_camera(vehicle, plan.timeout_s)
     progress.event(f"vehicle {vehicle.link.system_id} found; opening its camera {uri}")
     return uri

@@ -68,6 +68,8 @@ class Reporter:
             tell = self._progress.detail if _is_question(refusal) else self._progress.event
             tell(f"{command_name(refusal.command)}: {refusal.reason}")
         self.report_failures()
+        for verdict in vehicle.link.refused:
+            self.warn_once(f"messages are refused: {verdict.value}")
         if telemetry.course.gates_passed > self._gates_passed:
             self._gates_passed = telemetry.course.gates_passed
             self._progress.event(self._flight_line(state, vehicle))

@@ -9,8 +9,10 @@ from pymavlink.dialects.v20 import common
 from pymavlink.generator.mavcrc import mcrf4xx
 
 MAGIC_V1, MAGIC_V2 = 0xFE, 0xFD
-OVERHEAD_V1 = 8  # header 6, checksum 2
-OVERHEAD_V2 = 12  # header 10, checksum 2
+HEADER_V1, HEADER_V2 = 6, 10  # bytes
+CHECKSUM_BYTES = 2
+OVERHEAD_V1 = HEADER_V1 + CHECKSUM_BYTES
+OVERHEAD_V2 = HEADER_V2 + CHECKSUM_BYTES
 SIGNED_FLAG = 0x01  # incompatibility flag
 SIGNATURE_BYTES = 13
 CRC_START = 0xFFFF
@@ -63,6 +65,18 @@ def source_of(frame: bytes) -> tuple[int, int]:
     return (frame[5], frame[6]) if frame[0] == MAGIC_V2 else (frame[3], frame[4])
 
 
+def is_signed(frame: bytes) -> bool:
+    """Whether a whole frame ends in a signature, whoever made it."""
+    return frame[0] == MAGIC_V2 and bool(frame[2] & SIGNED_FLAG)
+
+
+def checksum(frame: bytes) -> int:
+    """Compute the checksum of a frame whose message the dialect knows; more may follow it."""
+    end = frame[1] + (HEADER_V2 if frame[0] == MAGIC_V2 else HEADER_V1)
+    value: int = mcrf4xx(frame[1:end] + CRC_EXTRA[message_id(frame)], CRC_START)
+    return value
+
+
 def _frame_length(data: bytes, at: int, end: int) -> int:
     """Read how long the frame at `at` is, or at least how much of it is needed to know."""
     if at + OVERHEAD_V1 > end:
@@ -75,9 +89,7 @@ def _frame_length(data: bytes, at: int, end: int) -> int:
 
 
 def _is_sound(frame: bytes, data: bytes, following: int) -> bool:
-    extra = CRC_EXTRA.get(message_id(frame))
-    if extra is None:
+    if message_id(frame) not in CRC_EXTRA:
         return following == len(data) or data[following] in (MAGIC_V1, MAGIC_V2)
-    end = frame[1] + (10 if frame[0] == MAGIC_V2 else 6)
-    checksum: int = mcrf4xx(frame[1:end] + extra, CRC_START)
-    return checksum == frame[end] | frame[end + 1] << 8
+    end = frame[1] + (HEADER_V2 if frame[0] == MAGIC_V2 else HEADER_V1)
+    return checksum(frame) == frame[end] | frame[end + 1] << 8

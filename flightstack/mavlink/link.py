@@ -2,9 +2,12 @@
 
 The first autopilot heard (component 1, a HEARTBEAT that names an autopilot) is the vehicle. From
 then on datagrams from other addresses are dropped, so that nobody else can pose as it by port.
+Under a signing key, what is not signed with it is refused and not even logged. Messages that need
+no signature are logged but not heeded: a forged HEARTBEAT could end a flight.
 """
 
 import time
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -12,13 +15,21 @@ from typing import Any, TypeAlias
 from pymavlink.dialects.v20 import common
 
 from flightstack.clock import VehicleClock
-from flightstack.mavlink.framing import MAGIC_V2, message_id, source_of
+from flightstack.mavlink.framing import (
+    HEADER_V1,
+    HEADER_V2,
+    MAGIC_V2,
+    is_signed,
+    message_id,
+    source_of,
+)
 from flightstack.mavlink.px4 import (
     AUTOPILOT_COMPONENT,
     CAMERA_COMPONENT,
     COMPANION_COMPONENT,
     REFEREE_COMPONENT,
 )
+from flightstack.mavlink.signing import Signing, Verdict
 from flightstack.mavlink.tlog import TlogWriter
 from flightstack.mavlink.transport import Address, Transport
 
@@ -75,6 +86,7 @@ class Vehicle:
     system_id: int
     autopilot: int  # MAV_AUTOPILOT
     address: Address | None
+    signs: bool = False  # its messages
 
 
 class Link:
@@ -86,10 +98,14 @@ class Link:
         tlog: TlogWriter,
         clock: VehicleClock,
         wall_s: Callable[[], float] = time.monotonic,
+        *,
+        signing: Signing | None = None,
     ) -> None:
         self.tlog = tlog
         self.clock = clock
         self.vehicle: Vehicle | None = None
+        self.refused: Counter[Verdict] = Counter()  # frames, by reason
+        self._signing = signing
         self._vehicle_system = NOBODY
         self._transport = transport
         self._wall_s = wall_s
@@ -118,7 +134,8 @@ class Link:
             if self.vehicle is not None and address != self.vehicle.address:
                 continue
             for frame in frames:
-                self._take(frame, address, messages)
+                if self._signing is None or self._admits(frame, self._signing):
+                    self._take(frame, address, messages)
         for frame in self._newest.values():
             self._decode(frame, messages)
         self._newest.clear()
@@ -129,6 +146,8 @@ class Link:
         self._protocol.srcSystem = self.system_id
         frame = bytes(message.pack(self._protocol))
         self._protocol.seq = (self._protocol.seq + 1) % 256
+        if self._signing is not None:
+            frame = self._signing.sign(frame)
         if self._transport.send(frame, self.vehicle.address if self.vehicle else None):
             self.tlog.append(self.clock.elapsed_us, frame)
 
@@ -136,6 +155,15 @@ class Link:
         """Write the log out and let go of the transport."""
         self.tlog.close()
         self._transport.close()
+
+    def _admits(self, frame: bytes, signing: Signing) -> bool:
+        """Whether to heed a frame; what is neither heeded nor refused is logged."""
+        verdict = signing.verify(frame)
+        if verdict is Verdict.OPEN:
+            self.tlog.append(self.clock.elapsed_us, frame)
+        elif verdict is not Verdict.GENUINE:
+            self.refused[verdict] += 1
+        return verdict is Verdict.GENUINE
 
     def _take(self, frame: bytes, address: Address | None, messages: list[Message]) -> None:
         number = message_id(frame)
@@ -164,11 +192,11 @@ class Link:
         decoded: list[Message] = []
         self._decode(frame, decoded)
         if decoded and decoded[0].autopilot != common.MAV_AUTOPILOT_INVALID:
-            self.vehicle = Vehicle(source[0], decoded[0].autopilot, address)
+            self.vehicle = Vehicle(source[0], decoded[0].autopilot, address, is_signed(frame))
             self._vehicle_system = source[0]
 
     def _observe_stamp(self, frame: bytes) -> None:
-        begin = 10 if frame[0] == MAGIC_V2 else 6
+        begin = HEADER_V2 if frame[0] == MAGIC_V2 else HEADER_V1
         end = begin + min(frame[1], STAMP_BYTES)  # MAVLink 2 leaves trailing zeros out
         self.clock.observe(int.from_bytes(frame[begin:end], "little") * 1000)
 

@@ -1,5 +1,6 @@
 """One flight of the companion, with a pilot that only flies straight on, and the small vehicle."""
 
+import contextlib
 import socket
 from collections.abc import Iterator
 from io import StringIO
@@ -67,6 +68,6 @@ class Trial:
 
 def read_tlog(path: Path) -> Iterator[Any]:
     log = mavutil.mavlink_connection(str(path), dialect="common")
-    while (message := log.recv_match()) is not None:
-        yield message
-    log.close()
+    with contextlib.closing(log):
+        while (message := log.recv_match()) is not None:
+            yield message

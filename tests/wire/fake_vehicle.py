@@ -23,6 +23,7 @@ CLIMB_US = 1_000_000
 DESCENT_US = 1_000_000
 ANSWER_S = 5.0
 FREE_RUN_S = 0.002  # wall time a frame when nobody answers
+SIGNING_EPOCH_S = 1_420_070_400  # 2015
 FIVEFOLD_S = FRAME_US / 5e6
 
 
@@ -41,6 +42,7 @@ class Script:
     stream_breaks_after: int | None = None
     has_camera: bool = True  # without one, time runs free at five times real time
     autopilot: int = 12
+    signing_key: bytes | None = None
 
 
 class FakeVehicle:
@@ -70,6 +72,7 @@ class FakeVehicle:
         self._client: socket.socket | None = None
         self._parser = common.MAVLink(None)
         self._parser.robust_parsing = True
+        self._parser.signing.secret_key = self.script.signing_key
         self._sequences: dict[int, common.MAVLink] = {}
         image = np.full((64, 64, 3), (10, 20, 30), np.uint8)  # BGR
         self._png = cv2.imencode(".png", image)[1].tobytes()
@@ -271,8 +274,15 @@ class FakeVehicle:
         self._course()
 
     def _send(self, message: Any, component: int = 1) -> None:
-        source = self._sequences.setdefault(component, common.MAVLink(None, 1, component))
+        source = self._sequences.get(component) or self._new_source(component)
         frame = message.pack(source)
         source.seq = (source.seq + 1) % 256
         with contextlib.suppress(OSError):
             self._udp.sendto(frame, self._companion)
+
+    def _new_source(self, component: int) -> common.MAVLink:
+        source = self._sequences[component] = common.MAVLink(None, 1, component)
+        source.signing.secret_key = self.script.signing_key
+        source.signing.sign_outgoing = self.script.signing_key is not None
+        source.signing.timestamp = int((time.time() - SIGNING_EPOCH_S) * 1e5)
+        return source

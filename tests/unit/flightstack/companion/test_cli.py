@@ -82,3 +82,29 @@ def test_an_unknown_model_is_told_before_a_vehicle_is_waited_for(
     code, text = refused(capsys, *arguments)
     assert code == 4
     assert "no/such" in text
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [(None, "No such file"), (b"secret", "holds neither"), (bytes(32), "all zeros")],
+)
+def test_a_bad_signing_key_is_usage(
+    content: bytes | None, reason: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    key = tmp_path / "key"
+    if content is not None:
+        key.write_bytes(content)
+    code, text = refused(capsys, f"--signing-key={key}", f"--log={tmp_path}/a.tlog")
+    assert code == 2
+    assert reason in text
+    assert str(key) in text
+    assert not (tmp_path / "a.tlog").exists()
+
+
+def test_frames_that_cannot_be_recorded_are_usage(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "a.frames").write_text("not a folder")
+    code, text = refused(capsys, "--record-frames", f"--log={tmp_path}/a.tlog")
+    assert code == 2
+    assert "a.frames: File exists" in text

@@ -8,6 +8,7 @@ from pymavlink.dialects.v20 import common
 from flightstack.clock import VehicleClock
 from flightstack.mavlink.framing import split_frames
 from flightstack.mavlink.link import Link
+from flightstack.mavlink.signing import Signing
 from flightstack.mavlink.tlog import TlogWriter
 from flightstack.mavlink.transport import Address, Received
 
@@ -45,17 +46,19 @@ class Wall:
 class MadeLink:
     """A link, its clock, and the vehicle's mouth."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, signing: Signing | None = None) -> None:
         self.transport = MemoryTransport()
         self.wall = Wall()
         self.clock = VehicleClock(self.wall)
         self.tlog = TlogWriter(folder / "link.tlog", self.wall)
-        self.link = Link(self.transport, self.tlog, self.clock, self.wall)
+        self.link = Link(self.transport, self.tlog, self.clock, self.wall, signing=signing)
 
     def say(
         self, message: Any, system: int = 3, component: int = 1, address: Address = VEHICLE
     ) -> bytes:
-        frame = bytes(message.pack(common.MAVLink(None, system, component)))
+        return self.hear(bytes(message.pack(common.MAVLink(None, system, component))), address)
+
+    def hear(self, frame: bytes, address: Address = VEHICLE) -> bytes:
         self.transport.waiting.append((split_frames(frame)[0], address))
         return frame
 
