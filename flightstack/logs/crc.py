@@ -56,11 +56,11 @@ def _row_checksums(rows: NDArray[np.uint8], lengths: NDArray[np.int64]) -> NDArr
     width = rows.shape[1]
     foreign = np.arange(ROW_STEP) < (width - lengths)[:, None]
     rows[:, :ROW_STEP][foreign] = 0
-    words = rows.view("<u2")
+    words = np.ascontiguousarray(rows.view("<u2").T)  # (width / 2, n): each step reads one row
     table = word_table()
     crc = np.zeros(len(rows), dtype=np.uint16)
-    for column in range(width // 2):
-        np.bitwise_xor(crc, words[:, column], out=crc)
+    for word in words:
+        np.bitwise_xor(crc, word, out=crc)
         table.take(crc, out=crc, mode="wrap")
     result: NDArray[np.uint16] = crc ^ initial_part()[lengths]
     return result
@@ -75,7 +75,7 @@ def checksums(
         starts = starts + ROW_STEP
     result = np.empty(len(starts), dtype=np.uint16)
     step_counts = -(-lengths // ROW_STEP)
-    for steps in np.unique(step_counts).tolist():
+    for steps in np.flatnonzero(np.bincount(step_counts)).tolist():
         members = np.flatnonzero(step_counts == steps)
         width = steps * ROW_STEP
         every_row = np.ndarray(

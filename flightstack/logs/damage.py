@@ -90,21 +90,28 @@ def find_regions(
     source: Source, frames: Frames, times: NDArray[np.int64]
 ) -> tuple[list[Region], bool]:
     """Return the stretches without a frame, and whether the records have times before them."""
-    left = np.r_[np.int64(0), frames.end]
-    right = np.r_[frames.offset, np.int64(source.size)]
-    space = right - left
-    inner = space[:-1]
-    has_times = not len(inner) or np.count_nonzero(inner >= TIMESTAMP) * 2 >= len(inner)
-    record_gap = np.full(len(space), TIMESTAMP if has_times else 0)
-    record_gap[-1] = 0  # nothing follows the last frame
+    if not len(frames):
+        whole = (0, source.size)
+        return ([_region(source, *whole, 0)] if source.size else []), True
+    end = frames.end
+    space = frames.offset.copy()  # before each frame
+    space[1:] -= end[:-1]
+    has_times = np.count_nonzero(space >= TIMESTAMP) * 2 >= len(space)
+    gap = TIMESTAMP if has_times else 0
     regions = []
-    for row in np.flatnonzero(space > record_gap).tolist():
-        length = int(space[row] - record_gap[row])
-        offset = int(left[row])
-        time_us = int(times[max(row - 1, 0)]) if len(times) else 0
-        kind = _kind(source, offset, length)
-        regions.append(Region(offset=offset, length=length, time_us=time_us, kind=kind))
+    for row in np.flatnonzero(space > gap).tolist():
+        offset = int(end[row - 1]) if row else 0
+        time_us = int(times[max(row - 1, 0)])
+        regions.append(_region(source, offset, int(space[row]) - gap, time_us))
+    rest = source.size - int(end[-1])
+    if rest:
+        regions.append(_region(source, int(end[-1]), rest, int(times[-1])))
     return regions, bool(has_times)
+
+
+def _region(source: Source, offset: int, length: int, time_us: int) -> Region:
+    kind = _kind(source, offset, length)
+    return Region(offset=offset, length=length, time_us=time_us, kind=kind)
 
 
 def count_duplicates(frames: Frames, times: NDArray[np.int64]) -> int:
@@ -125,10 +132,10 @@ def _steps(sequence: NDArray[np.uint8]) -> tuple[int, int, int]:
     return lost, int(np.count_nonzero(step == 0)), int(np.count_nonzero(step >= REORDERED))
 
 
-def _stream_steps(sequence: NDArray[np.uint8], link: NDArray[np.int64]) -> tuple[int, int, int]:
+def _stream_steps(sequence: NDArray[np.uint8], link: NDArray[np.uint8]) -> tuple[int, int, int]:
     """Return the steps of one sender, by link where that explains the numbers better."""
     together = _steps(sequence)
-    parts = [_steps(sequence[link == number]) for number in np.unique(link).tolist()]
+    parts = [_steps(sequence[link == number]) for number in range(LINK_BITS + 1)]
     by_link = tuple(sum(part[column] for part in parts) for column in range(3))
     better = sum(by_link) < sum(together)
     return (by_link[0], by_link[1], by_link[2]) if better else together
@@ -140,7 +147,7 @@ def find_losses(frames: Frames) -> tuple[SourceLoss, ...]:
     losses = []
     for key in np.unique(sender).tolist():
         rows = sender == key
-        link = frames.time_us[rows] & LINK_BITS
+        link = (frames.time_us[rows] & LINK_BITS).astype(np.uint8)
         lost, repeated, reordered = _stream_steps(frames.sequence[rows], link)
         losses.append(
             SourceLoss(

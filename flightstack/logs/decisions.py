@@ -49,17 +49,21 @@ class MemberPredictions:
     mean: Floats  # (n, N, 4) m/s, rad/s
 
 
-def _arrays(log: Log, name: str) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+def _arrays(
+    log: Log, name: str, length: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+    """Return times, stamps and the first values of the arrays of that name."""
     table = log["DEBUG_FLOAT_ARRAY"]
-    table = table.take(table["name"] == name)
-    stamp_us = table["time_usec"].astype(np.int64)
-    return table.time_us, stamp_us, table["data"].astype(np.float64)
+    rows = np.flatnonzero(table.data["name"] == name.encode())
+    stamp_us = table.data["time_usec"][rows].astype(np.int64)
+    data = table.data["data"][rows, :length]
+    return table.time_us[rows], stamp_us, data.astype(np.float64)
 
 
 def find_decisions(log: Log) -> Decisions:
     """Return the decisions of a log; none is an empty record."""
-    time_us, stamp_us, data = _arrays(log, "decision")
-    parts = data[:, :28].reshape(len(data), 7, 4)
+    time_us, stamp_us, data = _arrays(log, "decision", 28)
+    parts = data.reshape(len(data), 7, 4)
     return Decisions(
         time_us=time_us,
         stamp_us=stamp_us,
@@ -75,8 +79,8 @@ def find_decisions(log: Log) -> Decisions:
 
 def find_members(log: Log) -> MemberPredictions:
     """Return the predictions member by member; empty unless frames were recorded."""
-    _, stamp_us, data = _arrays(log, "members")
-    padded = data[:, :56].reshape(len(data), 14, 4)
+    _, stamp_us, data = _arrays(log, "members", 56)
+    padded = data.reshape(len(data), 14, 4)
     used = np.flatnonzero(np.any(padded != 0, axis=(0, 2)))
     count = int(used[-1]) + 1 if len(used) else 0
     return MemberPredictions(stamp_us=stamp_us, mean=padded[:, :count])

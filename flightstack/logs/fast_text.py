@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Bytes = NDArray[np.uint8]  # (n, width) text, padded with NUL
-SHORT_EXPONENTS = [(b"e-%d," % digit, b"e-%02d," % digit) for digit in range(6, 10)]
-DIFFERENT = (1e-5, 1e-4)  # between these orjson writes no exponent, but `str` does
+ONE_DIGIT = (1e-10, 1e-5)  # between these orjson writes e-7 where `str` writes e-07
+NO_EXPONENT = (1e-5, 1e-4)  # between these orjson writes no exponent, but `str` does
 
 
 def _joined_by_repr(values: NDArray[np.generic]) -> bytes:
@@ -27,11 +27,7 @@ def _find_joiner() -> Callable[[NDArray[np.generic]], bytes]:
         return _joined_by_repr
 
     def joined(values: NDArray[np.generic]) -> bytes:
-        text = orjson.dumps(values, option=orjson.OPT_SERIALIZE_NUMPY)[1:-1] + b","
-        if values.dtype.kind == "f" and b"e-" in text:
-            for short, as_str_writes in SHORT_EXPONENTS:
-                text = text.replace(short, as_str_writes)
-        return text[:-1]
+        return orjson.dumps(values, option=orjson.OPT_SERIALIZE_NUMPY)[1:-1]
 
     return joined
 
@@ -74,9 +70,10 @@ def from_numbers(column: NDArray[np.generic]) -> Bytes:
     finite = np.isfinite(values)
     matrix = _split(_joined(values if finite.all() else np.where(finite, values, 0.0)))
     size = np.abs(values)
-    small = np.flatnonzero((size >= DIFFERENT[0]) & (size < DIFFERENT[1]))
-    if len(small):
-        matrix = _with_rows(matrix, small, _with_exponent(matrix[small]))
+    for (least, most), rewrite in REWRITTEN:
+        rows = np.flatnonzero((size >= least) & (size < most))
+        if len(rows):
+            matrix = _with_rows(matrix, rows, rewrite(matrix[rows]))
     special = np.flatnonzero(~finite)
     if len(special):
         words = from_texts(["nan", "inf", "-inf"])
@@ -105,6 +102,20 @@ def _with_exponent(matrix: Bytes) -> Bytes:
     digits[negative, -1] = 0  # where the sign was rolled to
     point = np.where(digits[:, 1] != 0, ord("."), 0).astype(np.uint8)[:, None]
     return beside([sign, digits[:, :1], point, digits[:, 1:], "e-05"], len(matrix))
+
+
+def _with_two_digits(matrix: Bytes) -> Bytes:
+    """Return 1.23e-7 as 1.23e-07; rows that `repr` made already so stay as they are."""
+    count = np.arange(len(matrix))
+    last = np.count_nonzero(matrix, axis=1) - 1
+    is_short = matrix[count, last - 1] == ord("-")
+    digit = np.where(is_short, matrix[count, last], 0).astype(np.uint8)
+    matrix[count[is_short], last[is_short]] = 0
+    zero = np.where(is_short, ord("0"), 0).astype(np.uint8)
+    return np.hstack((matrix, zero[:, None], digit[:, None]))
+
+
+REWRITTEN = ((ONE_DIGIT, _with_two_digits), (NO_EXPONENT, _with_exponent))
 
 
 def _split(joined: bytes) -> Bytes:
@@ -141,8 +152,13 @@ def beside(parts: Sequence[Bytes | str], count: int) -> Bytes:
     return np.concatenate(columns, axis=1)
 
 
-def lines_of(matrix: Bytes) -> tuple[bytes, NDArray[np.int64]]:
-    """Return the text of all rows, one after the other, and where each ends."""
-    kept = matrix != 0
-    ends = np.cumsum(np.count_nonzero(kept, axis=1), dtype=np.int64)
-    return matrix[kept].tobytes(), ends
+def text_of(matrix: Bytes) -> bytes:
+    """Return the text of all rows, one after the other."""
+    return matrix.tobytes().translate(None, b"\0")
+
+
+def lines_of(matrix: Bytes) -> list[bytes]:
+    """Return the text of each row."""
+    text = text_of(matrix)
+    stops = np.cumsum(np.count_nonzero(matrix, axis=1)).tolist()
+    return [text[start:stop] for start, stop in zip([0, *stops], stops, strict=False)]

@@ -41,15 +41,17 @@ class Frames:
         return Frames(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
     @property
-    def header_length(self) -> NDArray[np.int64]:
+    def header_length(self) -> NDArray[np.uint8]:
         """Bytes before each payload."""
-        return np.where(self.flags & IS_V2, HEADER_V2, HEADER_V1)
+        return np.where(self.flags & IS_V2, np.uint8(HEADER_V2), np.uint8(HEADER_V1))
 
     @property
     def end(self) -> NDArray[np.int64]:
         """Offset of the first byte after each frame, its signature included."""
-        tail = np.where(self.flags & IS_SIGNED, CHECKSUM + SIGNATURE, CHECKSUM)
-        ends: NDArray[np.int64] = self.offset + self.header_length + self.length + tail
+        signed = self.flags & IS_SIGNED
+        tail = np.where(signed, np.uint8(CHECKSUM + SIGNATURE), np.uint8(CHECKSUM))
+        ends = self.offset + self.length
+        ends += self.header_length + tail
         return ends
 
 
@@ -74,9 +76,7 @@ def join(parts: list[Frames]) -> Frames:
     """Return all parts as one index, emptying `parts` on the way so that memory stays bounded."""
     if not parts:
         return no_frames()
-    if len(parts) == 1:
-        return parts[0]
     names = [field.name for field in fields(Frames)]
-    return Frames(
-        **{name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-    )
+    columns = {name: [getattr(part, name) for part in parts] for name in names}
+    parts.clear()  # from here on, each column's pieces go as soon as they are joined
+    return Frames(**{name: np.concatenate(columns.pop(name)) for name in names})

@@ -29,6 +29,7 @@ from flightstack.logs.frames import (
 MAGIC_V2 = 0xFD
 SIGNED_FLAG = 0x01
 SMALLEST_FRAME = HEADER_V1 + CHECKSUM
+SEARCH_BLOCK = 1 << 16
 PLAUSIBLE_TIME_US = (10**15, 41 * 10**14)  # 2001 to 2099
 
 Bytes = NDArray[np.uint8]
@@ -83,10 +84,19 @@ def message_rows(data: Bytes, position: Positions, is_v2: NDArray[np.bool_]) -> 
     return rows
 
 
+def magic_positions(data: Bytes) -> Positions:
+    """Return where a byte is 0xFD or 0xFE, block by block so that all stays in the cache."""
+    blocks = []
+    for start in range(0, len(data), SEARCH_BLOCK):
+        block = data[start : start + SEARCH_BLOCK]
+        blocks.append(np.flatnonzero((block - np.uint8(MAGIC_V2)) < 2) + start)
+    return np.concatenate(blocks).astype(np.int64) if blocks else np.empty(0, dtype=np.int64)
+
+
 def find_candidates(data: Bytes, limit: int) -> Candidates:
     """Return the places before `limit` where a whole frame of a known message may start."""
     stop = max(0, min(limit, len(data) - SMALLEST_FRAME + 1))
-    position = np.flatnonzero((data[:stop] - np.uint8(MAGIC_V2)) < 2).astype(np.int64)
+    position = magic_positions(data[:stop])
     is_v2 = data[position] == MAGIC_V2
     incompatible = data[position + 2]
     keep = ~is_v2 | (incompatible <= SIGNED_FLAG)
@@ -195,12 +205,15 @@ def find_frames(data: Bytes, *, free_from: int, limit: int) -> Frames:
     if len(found.position) == 0:
         return describe(data, found, np.empty(0, dtype=np.int64))
     end = found.end
-    links = chain_links(found.position, end, len(data))
-    if (found.position[1:] < np.maximum.accumulate(end)[:-1]).any():
+    overlap = bool((found.position[1:] < np.maximum.accumulate(end)[:-1]).any())
+    if not overlap and found.is_v2.all():  # the usual case: nothing to weigh
+        times = record_times(data, found.position, np.r_[np.int64(free_from), end[:-1]])
+    else:
+        links = chain_links(found.position, end, len(data))
         rows = without_overlaps(found.position, end, links)
-        found, end, links = found.take(rows), end[rows], links[rows]
-    before = np.r_[np.int64(free_from), end[:-1]]
-    times = record_times(data, found.position, before)
-    kept = stands(found, times, links) & (found.position < limit)
-    found, times = found.take(kept), times[kept]
-    return describe(data, found, times)
+        found, end = found.take(rows), end[rows]
+        times = record_times(data, found.position, np.r_[np.int64(free_from), end[:-1]])
+        stand = stands(found, times, links[rows])
+        found, times = found.take(stand), times[stand]
+    kept = found.position < limit
+    return describe(data, found.take(kept), times[kept])

@@ -18,8 +18,8 @@ from flightstack.logs.errors import UnknownNameError
 from flightstack.logs.log import Log
 from flightstack.logs.table import Table
 
-CHUNK = 20_000  # frames whose lines are in memory at once
-Text = tuple[bytes, NDArray[np.int64]]  # lines, and where each ends
+CHUNK = 8_000  # frames whose lines are in memory at once
+Text = fast_text.Bytes | list[bytes]  # the lines of one type: as a matrix, or each by itself
 HUNDREDTHS = fast_text.from_texts([f"{number:02d}" for number in range(100)])
 
 
@@ -53,22 +53,24 @@ def _standard(table: Table, options: LineOptions) -> Text:
         parts += [" srcSystem=", system, " srcComponent=", component]
     if options.show_sequence:
         parts += [" seq=", fast_text.from_numbers(table.sequence)]
-    return fast_text.lines_of(fast_text.beside([*parts, "\n"], len(table)))
+    return fast_text.beside([*parts, "\n"], len(table))
 
 
-def _together(lines: list[str]) -> Text:
-    encoded = [line.encode(errors="replace") + b"\n" for line in lines]
-    return b"".join(encoded), np.cumsum([len(line) for line in encoded], dtype=np.int64)
+def _encoded(lines: list[str]) -> list[bytes]:
+    return [line.encode(errors="replace") + b"\n" for line in lines]
+
+
+def _as_lines(text: Text) -> list[bytes]:
+    return text if isinstance(text, list) else fast_text.lines_of(text)
 
 
 def _in_order(texts: list[Text], places: list[NDArray[np.intp]]) -> bytes:
     """Return the lines of several types in the order of the log."""
-    lines: list[bytes] = []
-    for text, ends in texts:
-        stops = ends.tolist()
-        lines += [text[start:stop] for start, stop in zip([0, *stops], stops, strict=False)]
-    order = np.argsort(np.concatenate(places)).tolist()
-    return b"".join([lines[row] for row in order])
+    if len(texts) == 1:
+        only = texts[0]
+        return b"".join(only) if isinstance(only, list) else fast_text.text_of(only)
+    lines = [line for text in texts for line in _as_lines(text)]
+    return b"".join([lines[row] for row in np.argsort(np.concatenate(places)).tolist()])
 
 
 def _json(table: Table, options: LineOptions) -> Text:
@@ -81,7 +83,7 @@ def _json(table: Table, options: LineOptions) -> Text:
             meta["srcSystem"], meta["srcComponent"] = sender
         data = dict(zip(table.names, row, strict=True))
         lines.append(json.dumps({"meta": meta, "data": data}))
-    return _together(lines)
+    return _encoded(lines)
 
 
 def _csv(table: Table, options: LineOptions) -> Text:
@@ -92,7 +94,7 @@ def _csv(table: Table, options: LineOptions) -> Text:
         message, _, field = column.partition(".")
         columns.append(list(map(str, table[field].tolist())) if message == table.name else empty)
     rows = zip(*columns, strict=True)
-    return _together([options.separator.join(row) for row in rows])
+    return _encoded([options.separator.join(row) for row in rows])
 
 
 WRITERS: dict[str, Callable[[Table, LineOptions], Text]] = {
@@ -107,7 +109,7 @@ def _unknown_lines(log: Log, name: str) -> Text:
     table = log[name]
     payloads = fast_text.from_texts([payload.hex() for payload in log.payloads(name)])
     parts: list[fast_text.Bytes | str] = [_stamps(table), f": {name} {{payload : ", payloads, "}\n"]
-    return fast_text.lines_of(fast_text.beside(parts, len(table)))
+    return fast_text.beside(parts, len(table))
 
 
 def csv_columns(log: Log, types: Sequence[str]) -> tuple[str, ...]:
@@ -132,4 +134,4 @@ def lines(log: Log, options: LineOptions) -> Iterator[bytes]:
                 texts.append(write(part[name], options) if is_known else _unknown_lines(part, name))
                 places.append(part[name].row)
         if texts:
-            yield texts[0][0] if len(texts) == 1 else _in_order(texts, places)
+            yield _in_order(texts, places)

@@ -155,9 +155,8 @@ class Log:
         for pattern in patterns:
             if not any(fnmatchcase(name, pattern) for name in ids_by_name()):
                 message_id(pattern)
-        held = np.unique(self._whole.frames.msgid).tolist()
-        names = {msgid: message_name(msgid) for msgid in held}
-        return [m for m in held if any(fnmatchcase(names[m], pattern) for pattern in patterns)]
+        held = {name: message_id(name) for name in self._whole.counts}
+        return [held[n] for n in held if any(fnmatchcase(n, pattern) for pattern in patterns)]
 
 
 def _type_or_raw(msgid: int) -> MessageType:

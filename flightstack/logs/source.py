@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from flightstack.logs.errors import LogFileError
 
 WINDOW_BYTES = 2 << 20  # fits the caches; larger is not faster
+SMALL_BYTES = 32 << 20  # logs up to here are held in memory, larger ones read by windows
 MISTAKEN = {  # first bytes of files that people pass by mistake
     b"ULog\x01\x12\x35": "a PX4 ULog, not a MAVLink log: use pyulog or PX4's Flight Review",
     b"\xa3\x95": "an ArduPilot .BIN log, not a MAVLink log: use mavlogdump.py or MAVExplorer",
@@ -87,7 +88,7 @@ def mistaken_kind(path: Path) -> str | None:
     return next((kind for magic, kind in MISTAKEN.items() if head.startswith(magic)), None)
 
 
-def open_source(path: Path) -> FileSource:
+def open_source(path: Path) -> Source:
     """Return the file as a source; LogFileError says in one line why it cannot be one."""
     if path.is_dir():
         raise LogFileError(f"{path} is a folder: name a .tlog in it, or let summary read them all")
@@ -102,4 +103,6 @@ def open_source(path: Path) -> FileSource:
         raise LogFileError(f"{path} is {kind}")
     if size == 0:
         raise LogFileError(f"{path} is empty: nothing was logged")
+    if size <= SMALL_BYTES:
+        return MemorySource(np.fromfile(path, dtype=np.uint8), str(path))
     return FileSource(path, size)

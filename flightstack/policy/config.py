@@ -14,6 +14,7 @@ class PolicyConfig:
     members: int  # N
     probabilistic: bool  # mean and variance, or the mean alone
     hidden: tuple[int, ...] = (256, 64)
+    mixture: int = 1  # Gaussians that each member predicts, weighted
     velocity_range: VelocityRange = field(default_factory=VelocityRange)
     variance_factor: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0)  # recalibrates predicted variances
     best_member: tuple[int, ...] = ()  # (4,) of each velocity on validation data, where known
@@ -22,6 +23,8 @@ class PolicyConfig:
         """Refuse what cannot be built."""
         if self.members < 1 or len(self.hidden) != 2 or min(self.hidden) < 1:
             raise ValueError("policy: members must be at least 1 and hidden two positive sizes")
+        if self.mixture < 1 or (self.mixture > 1 and not self.probabilistic):
+            raise ValueError("policy: mixture must be at least 1, and 1 where not probabilistic")
         if len(self.variance_factor) != len(VELOCITIES) or not all(
             0.0 < factor < math.inf for factor in self.variance_factor
         ):

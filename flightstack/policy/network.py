@@ -1,14 +1,17 @@
 """N policy networks as one: their weights stacked, their passes one batched matrix product.
 
 Each is a small perceptron Z-256-64-(4|8). A probabilistic one predicts the mean and log-variance of
-every velocity, a deterministic one the mean alone.
+every velocity, a deterministic one the mean alone. With mixture heads each predicts several such
+Gaussians and their weights, the same weights for all velocities: "left or right" is one question.
 
 References:
+    Bishop 1994, "Mixture density networks".
     Lakshminarayanan et al. 2017, "Simple and scalable predictive uncertainty estimation using deep
     ensembles"; Kendall and Gal 2017, "What uncertainties do we need": the loss.
 """
 
 import math
+from typing import NamedTuple
 
 import torch
 from torch import Generator, Tensor, nn
@@ -17,6 +20,16 @@ from flightstack.policy.config import PolicyConfig
 from flightstack.records import VELOCITIES
 
 LOGVAR_MIDDLE, LOGVAR_HALF = -5.0, 5.0  # network units: sigma from 0.7 % to 100 % of half the range
+
+GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0  # its multiples, modulo 1, fill the unit interval evenly
+
+
+class Heads(NamedTuple):
+    """What N members say of B latents with H heads each, in network units."""
+
+    mean: Tensor  # (N, B, H, 4)
+    logvar: Tensor  # (N, B, H, 4)
+    logweight: Tensor  # (N, B, H)
 
 
 class StackedLinear(nn.Module):
@@ -47,7 +60,9 @@ class PolicyStack(nn.Module):
         super().__init__()
         members, hidden = config.members, config.hidden
         self.probabilistic = config.probabilistic
-        outputs = len(VELOCITIES) * (2 if config.probabilistic else 1)
+        self.mixture = config.mixture
+        outputs = config.mixture * len(VELOCITIES) * (2 if config.probabilistic else 1)
+        outputs += config.mixture if config.mixture > 1 else 0
         self.dense1 = StackedLinear(members, latent_dims, hidden[0], generator)
         self.dense2 = StackedLinear(members, hidden[0], hidden[1], generator)
         self.out = StackedLinear(members, hidden[1], outputs, generator)
@@ -56,17 +71,52 @@ class PolicyStack(nn.Module):
         self.register_buffer("latent_mean", torch.zeros(latent_dims))
         self.register_buffer("latent_std", torch.ones(latent_dims))
 
-    def forward(self, z: Tensor) -> tuple[Tensor, Tensor]:
+    def forward(self, z: Tensor, quantile: Tensor | None = None) -> tuple[Tensor, Tensor]:
         """Map latents (N, B, Z) or (B, Z) to mean and log-variance, each (N, B, 4).
 
-        A deterministic policy claims the smallest log-variance that a probabilistic one can.
+        A deterministic policy claims the smallest log-variance that a probabilistic one can. With
+        mixture heads each latent sample follows one of them, by their weights: the one at its
+        `quantile` (B,) of the weights' sum; left out, the samples spread evenly over [0, 1).
         """
-        hidden = torch.relu(self.dense1((z - self.latent_mean) / self.latent_std))
-        out = self.out(torch.relu(self.dense2(hidden)))
+        if self.mixture > 1:
+            return self._follow(self.heads(z), quantile)
+        out = self._out(z)
         if not self.probabilistic:
             return out, torch.full_like(out, LOGVAR_MIDDLE - LOGVAR_HALF)
-        mean, raw = out[..., : len(VELOCITIES)], out[..., len(VELOCITIES) :]
-        return mean, LOGVAR_MIDDLE + LOGVAR_HALF * torch.tanh(raw / LOGVAR_HALF)
+        return out[..., : len(VELOCITIES)], _logvar(out[..., len(VELOCITIES) :])
+
+    def heads(self, z: Tensor) -> Heads:
+        """Map latents to all heads of a probabilistic policy."""
+        out = self._out(z)
+        values = self.mixture * len(VELOCITIES)
+        shape = (*out.shape[:-1], self.mixture, len(VELOCITIES))
+        weights = out[..., 2 * values :] if self.mixture > 1 else out.new_zeros(*out.shape[:-1], 1)
+        return Heads(
+            mean=out[..., :values].reshape(shape),
+            logvar=_logvar(out[..., values : 2 * values].reshape(shape)),
+            logweight=torch.log_softmax(weights, dim=-1),
+        )
+
+    def _out(self, z: Tensor) -> Tensor:
+        hidden = torch.relu(self.dense1((z - self.latent_mean) / self.latent_std))
+        out: Tensor = self.out(torch.relu(self.dense2(hidden)))
+        return out
+
+    def _follow(self, heads: Heads, quantile: Tensor | None) -> tuple[Tensor, Tensor]:
+        if quantile is None:
+            steps = torch.arange(heads.mean.shape[1], device=heads.mean.device, dtype=torch.float64)
+            quantile = ((steps + 0.5) * GOLDEN % 1.0).to(heads.mean.dtype)
+        reached = heads.logweight.exp().cumsum(dim=-1) < quantile[:, None]  # (N, B, H)
+        chosen = reached.sum(dim=-1).clamp(max=self.mixture - 1)
+        index = chosen[..., None, None].expand(*chosen.shape, 1, len(VELOCITIES))
+        mean, logvar = (part.gather(2, index).squeeze(2) for part in heads[:2])
+        return mean, logvar
+
+
+def mixture_nll(heads: Heads, target: Tensor) -> Tensor:
+    """Give the loss of mixture heads, (N, B), all velocities together, without its constant."""
+    nll = gaussian_nll(heads.mean, heads.logvar, target[..., None, :]).sum(dim=-1)
+    return -torch.logsumexp(heads.logweight - nll, dim=-1)
 
 
 def gaussian_nll(mean: Tensor, logvar: Tensor, target: Tensor) -> Tensor:
@@ -76,3 +126,7 @@ def gaussian_nll(mean: Tensor, logvar: Tensor, target: Tensor) -> Tensor:
 
 def _uniform(shape: tuple[int, ...], bound: float, generator: Generator) -> nn.Parameter:
     return nn.Parameter(torch.empty(shape).uniform_(-bound, bound, generator=generator))
+
+
+def _logvar(raw: Tensor) -> Tensor:
+    return LOGVAR_MIDDLE + LOGVAR_HALF * torch.tanh(raw / LOGVAR_HALF)

@@ -12,6 +12,7 @@ from flightstack.models import CONFIG_FILE, WEIGHTS_FILE, ModelConfig, file_sha2
 from flightstack.perception.config import PerceptionConfig
 from flightstack.policy.config import PolicyConfig
 from flightstack.policy.scales import VelocityRange
+from flightstack.records import VELOCITIES
 from flightstack.tables import table_text
 from flightstack.training.card import model_card
 from flightstack.training.catalogue import ModelPlan
@@ -63,7 +64,10 @@ def policy_config(summary: dict[str, Any]) -> PolicyConfig:
         members=summary["members"],
         probabilistic=summary["probabilistic"],
         hidden=tuple(summary["hidden"]),
+        mixture=summary.get("mixture", 1),
         velocity_range=VelocityRange(low=tuple(limits["low"]), high=tuple(limits["high"])),
+        variance_factor=tuple(summary["metrics"].get("variance_factor", (1.0,) * len(VELOCITIES))),
+        best_member=tuple(summary["metrics"].get("best_member", ())),
     )
 
 

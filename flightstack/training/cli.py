@@ -41,6 +41,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_data(commands.add_parser("data", help="make one dataset, or look at one"))
     _add_perception(commands.add_parser("perception", help="train one CM-VAE"))
     _add_policy(commands.add_parser("policy", help="train policies on one CM-VAE"))
+    _add_calibrate(commands.add_parser("calibrate", help="measure a model's variances anew"))
     return parser
 
 
@@ -90,8 +91,16 @@ def _add_policy(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, help="folder of the run")
     kinds = ("ensemble", "single", "deterministic")
     parser.add_argument("--kind", choices=kinds, default="ensemble")
+    parser.add_argument("--bootstrap", action="store_true", help="each member draws its own data")
+    parser.add_argument("--mixture", type=int, default=1, help="Gaussians a member (default: 1)")
     parser.add_argument("--epochs", type=int, help="instead of the preset's")
     _add_training(parser)
+    _add_seed(parser)
+
+
+def _add_calibrate(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("model", help="for example strong/m0")
+    parser.add_argument("--data", type=Path, required=True, help="folder of control data")
     _add_seed(parser)
 
 

@@ -1,6 +1,7 @@
 """What the command line's commands do; importing this imports torch."""
 
 import argparse
+from dataclasses import replace
 
 import torch
 
@@ -12,6 +13,7 @@ from flightstack.training.perception import train_perception
 from flightstack.training.piloting import Piloting
 from flightstack.training.policy import train_policy
 from flightstack.training.presets import perception_settings, policy_settings
+from flightstack.training.recalibrate import recalibrate
 from flightstack.training.recipe import Recipe
 from flightstack.training.runs import read_run
 
@@ -21,9 +23,14 @@ THREADS = 1  # one compute thread a process: two processes beat two threads
 def run(options: argparse.Namespace) -> None:
     """Run the command that was parsed."""
     torch.set_num_threads(THREADS)
-    {"all": _all, "data": _data, "perception": _perception, "policy": _policy}[options.command](
-        options
-    )
+    commands = {
+        "all": _all,
+        "data": _data,
+        "perception": _perception,
+        "policy": _policy,
+        "calibrate": _calibrate,
+    }
+    commands[options.command](options)
 
 
 def _all(options: argparse.Namespace) -> None:
@@ -66,13 +73,18 @@ def _perception(options: argparse.Namespace) -> None:
 
 def _policy(options: argparse.Namespace) -> None:
     perception = read_run(options.perception)
+    settings = policy_settings(
+        options.preset, kind=options.kind, seed=options.seed, epochs=options.epochs
+    )
     train_policy(
         join([read_dataset(folder) for folder in options.data]),
         perception.encoder(),
-        policy_settings(
-            options.preset, kind=options.kind, seed=options.seed, epochs=options.epochs
-        ),
+        replace(settings, bootstrap=options.bootstrap, mixture=options.mixture),
         options.out,
         perception=perception.sha256,
         device=torch.device(options.device),
     )
+
+
+def _calibrate(options: argparse.Namespace) -> None:
+    recalibrate(options.model, read_dataset(options.data), seed=options.seed)

@@ -64,7 +64,7 @@ class ViewRenderer:
             range_m = _draw_range(rng, recipe)
             azimuth = float(rng.uniform(-recipe.azimuth_rad, recipe.azimuth_rad))
             elevation = float(rng.uniform(-recipe.elevation_rad, recipe.elevation_rad))
-            centre = _place(position, attitude, range_m, azimuth, elevation)
+            centre = place(position, attitude, range_m, azimuth, elevation)
             if _stands_above_ground(centre):
                 break
         if rng.random() < recipe.gate_yaw_uniform_share:
@@ -84,7 +84,7 @@ class ViewRenderer:
             range_m = target_m + float(rng.uniform(*recipe.distractor_gap_m))
             azimuth = float(rng.uniform(-recipe.azimuth_rad, recipe.azimuth_rad))
             elevation = float(rng.uniform(-recipe.elevation_rad, recipe.elevation_rad)) / 2.0
-            centre = _place(position, attitude, range_m, azimuth, elevation)
+            centre = place(position, attitude, range_m, azimuth, elevation)
             if _stands_above_ground(centre):
                 yaw = float(rng.uniform(-math.pi, math.pi))
                 return Gate(index=0, centre_ned=centre, yaw_rad=yaw)
@@ -108,7 +108,7 @@ def _draw_range(rng: np.random.Generator, recipe: ViewRecipe) -> float:
     return math.exp(float(rng.uniform(*np.log(recipe.range_m))))
 
 
-def _place(
+def place(
     position: Vector3, attitude: Quaternion, range_m: float, azimuth: float, elevation: float
 ) -> Vector3:
     """Where a point stands (m, NED) that a camera sees in that direction (body FRD)."""

@@ -14,7 +14,7 @@ from torch import Tensor
 from flightstack.errors import UsageError
 from flightstack.perception.dronet import Dronet
 from flightstack.policy.config import PolicyConfig
-from flightstack.policy.network import PolicyStack, gaussian_nll
+from flightstack.policy.network import PolicyStack, gaussian_nll, mixture_nll
 from flightstack.records import VELOCITIES
 from flightstack.training.checkpoint import Checkpoint, identity_of
 from flightstack.training.dataset import Dataset
@@ -22,9 +22,9 @@ from flightstack.training.errors import TrainingError
 from flightstack.training.latents import LatentSource
 from flightstack.training.perception import Report
 from flightstack.training.policy_metrics import PolicyMetrics, measure_policy
+from flightstack.training.predictions import predict
 from flightstack.training.presets import PolicySettings
 
-METRIC_SAMPLES = 32  # latent samples of each validation image
 REPORT_EVERY = 10  # epochs
 VALIDATION_SEED = 1 << 40  # far from any epoch's
 
@@ -58,6 +58,7 @@ class _Trainer:
             members=settings.members,
             probabilistic=settings.probabilistic,
             hidden=settings.hidden,
+            mixture=settings.mixture,
             velocity_range=settings.velocity_range,
         )
         z = latents.draw(self._generator(-1))[torch.from_numpy(self.train).to(self.device)]
@@ -98,26 +99,28 @@ class _Trainer:
         return loss_sum / (steps * settings.members)
 
     def measure(self) -> PolicyMetrics:
-        """Measure the pool of all members and METRIC_SAMPLES latents on the validation images."""
-        generator = self._generator(VALIDATION_SEED)
-        at = torch.from_numpy(self.validation).to(self.device)
-        means, variances = [], []
-        with torch.inference_mode():
-            for _ in range(METRIC_SAMPLES):
-                mean, logvar = self.stack(self.latents.draw(generator)[at])
-                means.append(mean.cpu().numpy())
-                variances.append(np.exp(logvar.cpu().numpy()))
-        scale, offset = self.config.velocity_range.scale, self.config.velocity_range.offset
+        """Measure the pool of all members and 32 latents on the validation images, recalibrated."""
+        mean, var = predict(
+            self.stack,
+            self.latents,
+            self.config.velocity_range,
+            self.validation,
+            generator=self._generator(VALIDATION_SEED),
+        )
         return measure_policy(
-            _components(means) * scale + offset,
-            _components(variances) * scale**2,
+            mean,
+            var,
             self.labels[self.validation].astype(np.float64),
             members=self.settings.members,
             constant=self.labels[self.train].mean(axis=0, dtype=np.float64),
+            recalibrate=self.settings.probabilistic,
         )
 
     def _loss(self, z: Tensor, targets: Tensor) -> Tensor:
         """Sum over members and velocities, mean over the batch: (N, B, Z) and (N, B, 4)."""
+        if self.settings.mixture > 1:
+            joint: Tensor = mixture_nll(self.stack.heads(z), targets).mean(dim=1).sum()
+            return joint
         mean, logvar = self.stack(z)
         if self.settings.probabilistic:
             errors = gaussian_nll(mean, logvar, targets)
@@ -178,9 +181,3 @@ def train_policy(
     (folder / "policy.json").write_text(json.dumps(summary, indent=2) + "\n")
     metrics.require_healthy()
     return PolicyRun(folder=folder, stack=stack, config=trainer.config, metrics=metrics)
-
-
-def _components(parts: list[NDArray[np.float32]]) -> NDArray[np.float64]:
-    """Join M arrays (N, K, 4) to (N M, K, 4), member by member."""
-    joined = np.stack(parts, axis=1).astype(np.float64)
-    return joined.reshape(-1, *joined.shape[2:])

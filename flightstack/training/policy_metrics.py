@@ -5,12 +5,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp, ndtr
+from scipy.special import logsumexp
 
 from flightstack.records import VELOCITIES
+from flightstack.training.calibration import INTERVAL, coverage, variance_factor
 from flightstack.training.errors import TrainingError
-
-INTERVAL = 0.90  # central
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,6 +24,14 @@ class PolicyMetrics:
     aleatoric_std: tuple[float, ...]  # root mean square over images, as the next two
     policy_std: tuple[float, ...]
     latent_std: tuple[float, ...]
+    variance_factor: tuple[float, ...]  # that was applied before all of the above
+    coverage_before: tuple[float, ...]  # of the variances as they were predicted
+    member_nll: tuple[tuple[float, ...], ...]  # (N, 4) of each member's own mixture
+
+    @property
+    def best_member(self) -> tuple[int, ...]:
+        """The member of least NLL for each velocity, (4,)."""
+        return tuple(np.argmin(self.member_nll, axis=0).tolist())
 
     def line(self) -> str:
         """Say it in one line of progress."""
@@ -34,7 +41,8 @@ class PolicyMetrics:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        return {**asdict(self), "velocities": list(VELOCITIES), "interval": INTERVAL}
+        about = {"best_member": self.best_member}
+        return {**asdict(self), **about, "velocities": list(VELOCITIES), "interval": INTERVAL}
 
     def require_healthy(self) -> None:
         """Raise TrainingError when a velocity was not learned."""
@@ -53,25 +61,36 @@ def measure_policy(
     *,
     members: int,
     constant: NDArray[np.float64],  # (4,)
+    recalibrate: bool = False,
 ) -> PolicyMetrics:
     """Compare mixtures of S Gaussians, member by member in the first axis, with the labels."""
+    before = coverage(mean, var, target)
+    factor = variance_factor(mean, var, target) if recalibrate else (1.0,) * len(VELOCITIES)
+    var = var * factor
     std = np.sqrt(var)
-    offset = (target - mean) / std
-    log_density = -0.5 * np.square(offset) - np.log(std) - 0.5 * np.log(2.0 * np.pi)
-    below = ndtr(offset).mean(axis=0)  # the mixture's distribution function at the label
-    tail = (1.0 - INTERVAL) / 2.0
+    log_density = -0.5 * np.square((target - mean) / std) - np.log(std) - 0.5 * np.log(2.0 * np.pi)
     by_member = mean.reshape(members, -1, *mean.shape[1:])  # (N, M, K, 4)
+    member_density = log_density.reshape(by_member.shape)
     member_mean = by_member.mean(axis=1)
     return PolicyMetrics(
         images=len(target),
         rmse=_root_mean_square(mean.mean(axis=0) - target),
         constant_rmse=_root_mean_square(constant - target),
         nll=tuple((np.log(len(mean)) - logsumexp(log_density, axis=0)).mean(axis=0).tolist()),
-        coverage=tuple(((below > tail) & (below < 1.0 - tail)).mean(axis=0).tolist()),
+        coverage=tuple(coverage(mean, var, target).tolist()),
         aleatoric_std=_root_mean_square(std),
         policy_std=_root_mean_square(member_mean - member_mean.mean(axis=0)),
         latent_std=_root_mean_square(by_member - member_mean[:, np.newaxis]),
+        variance_factor=tuple(factor),
+        coverage_before=tuple(before.tolist()),
+        member_nll=_member_nll(member_density),
     )
+
+
+def _member_nll(log_density: NDArray[np.float64]) -> tuple[tuple[float, ...], ...]:
+    """Mean NLL of each member's own mixture: (N, M, K, 4) to (N, 4)."""
+    nll = np.log(log_density.shape[1]) - logsumexp(log_density, axis=1)
+    return tuple(tuple(row) for row in nll.mean(axis=1).tolist())
 
 
 def _root_mean_square(errors: NDArray[np.float64]) -> tuple[float, ...]:

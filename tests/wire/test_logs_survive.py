@@ -1,5 +1,6 @@
 """Logs survive the death of whoever writes them: every complete record is read back."""
 
+import os
 import signal
 import time
 from pathlib import Path
@@ -12,7 +13,8 @@ from scripts.fly_course import free_instance
 from tests.flight.processes import pair, process
 
 pytestmark = pytest.mark.flight
-KILLS = 4
+PATIENCE_S = 60.0
+KILLS = int(os.environ.get("FLIGHTSTACK_KILLS", "3"))  # of each process; 25 make a thorough run
 
 
 def complete_records(data: bytes) -> int:
@@ -48,17 +50,18 @@ def test_a_killed_vehicle_leaves_every_complete_record(seed: int, tmp_path: Path
     assert assert_reads_back(path) > 0
 
 
-def test_a_killed_companion_leaves_every_complete_record(tmp_path: Path) -> None:
+@pytest.mark.parametrize("seed", range(KILLS))
+def test_a_killed_companion_leaves_every_complete_record(seed: int, tmp_path: Path) -> None:
     with pair(tmp_path) as flight:
-        deadline_s = time.monotonic() + 60.0
-        while not flight.companion_log.exists() or flight.companion_log.stat().st_size < 100_000:
+        deadline_s = time.monotonic() + PATIENCE_S
+        while not flight.companion_log.exists() or not flight.companion_log.stat().st_size:
             assert flight.companion.poll() is None, flight.companion_output.read_text()
             assert time.monotonic() < deadline_s
             time.sleep(0.05)
+        time.sleep(np.random.default_rng(seed).uniform(0.0, 2.0))
         flight.companion.send_signal(signal.SIGKILL)
         flight.companion.wait()
-        time.sleep(0.5)
         flight.vehicle.send_signal(signal.SIGKILL)
         flight.vehicle.wait()
-    assert assert_reads_back(flight.companion_log) > 1000
-    assert assert_reads_back(flight.vehicle_log) > 1000
+    assert assert_reads_back(flight.companion_log) > 0
+    assert assert_reads_back(flight.vehicle_log) >= 0

@@ -8,7 +8,7 @@ from flightstack.logs import fast_text
 from flightstack.logs.log import Log
 from flightstack.logs.table import Table
 
-CHUNK = 20_000
+CHUNK = 8_000
 QUOTED = (",", '"', "\n", "\r")
 
 
@@ -49,8 +49,7 @@ def rows(table: Table) -> bytes:
     parts: list[fast_text.Bytes | str] = []
     for column in columns:
         parts += [column, ","]
-    text, _ = fast_text.lines_of(fast_text.beside([*parts[:-1], "\n"], len(table)))
-    return text
+    return fast_text.text_of(fast_text.beside([*parts[:-1], "\n"], len(table)))
 
 
 def write_csv(log: Log, folder: Path) -> list[Path]:

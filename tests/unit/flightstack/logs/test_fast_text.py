@@ -49,4 +49,5 @@ def test_arrays_and_text_look_as_python_lists_and_strings() -> None:
 
 def test_nothing_makes_no_lines() -> None:
     empty = fast_text.from_numbers(np.empty(0, dtype=np.float32))
-    assert fast_text.lines_of(fast_text.beside(["x ", empty], 0))[0] == b""
+    assert fast_text.text_of(fast_text.beside(["x ", empty], 0)) == b""
+    assert fast_text.lines_of(fast_text.beside(["x ", empty], 0)) == []

@@ -7,7 +7,7 @@ from torch.distributions import Normal
 
 from flightstack.policy.config import PolicyConfig
 from flightstack.policy.ensemble import PolicyEnsemble
-from flightstack.policy.network import PolicyStack, gaussian_nll
+from flightstack.policy.network import PolicyStack, gaussian_nll, mixture_nll
 from flightstack.policy.scales import VelocityRange
 
 RNG = np.random.default_rng(0)
@@ -91,3 +91,46 @@ def test_range_maps_its_ends_to_one_and_clips_beyond() -> None:
 def test_range_upside_down_is_refused() -> None:
     with pytest.raises(ValueError, match="must lie below"):
         VelocityRange(low=(1.0, 0.0, 0.0, 0.0), high=(0.0, 1.0, 1.0, 1.0))
+
+
+def test_mixture_heads_are_followed_by_their_weights() -> None:
+    config = PolicyConfig(members=2, probabilistic=True, mixture=3)
+    stack = PolicyStack(config, latent_dims=10, generator=torch.Generator().manual_seed(0)).eval()
+    z = torch.zeros(1000, 10)
+    heads = stack.heads(z)
+    mean, _ = stack(z)
+    for n in range(2):
+        shares = [(mean[n] == heads.mean[n, 0, h]).all(dim=1).float().mean() for h in range(3)]
+        expected = heads.logweight[n, 0].exp().tolist()
+        assert [float(share) for share in shares] == pytest.approx(expected, abs=0.01)
+
+
+def test_one_head_of_a_mixture_is_the_plain_loss() -> None:
+    stack, z = make_stack(), torch.randn(8, 10, generator=torch.Generator().manual_seed(1))
+    target = torch.zeros(5, 8, 4)
+    mean, logvar = stack(z)
+    torch.testing.assert_close(
+        mixture_nll(stack.heads(z), target), gaussian_nll(mean, logvar, target).sum(dim=-1)
+    )
+
+
+def test_recalibration_scales_the_variance_alone() -> None:
+    stack, z = make_stack(), RNG.normal(0.0, 1.0, (4, 10)).astype(np.float32)
+    plain = PolicyEnsemble(stack, VelocityRange()).predict(z)
+    scaled = PolicyEnsemble(stack, VelocityRange(), (2.0, 1.0, 0.5, 1.0)).predict(z)
+    np.testing.assert_allclose(scaled.var, plain.var * [2.0, 1.0, 0.5, 1.0])
+    np.testing.assert_array_equal(scaled.mean, plain.mean)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"mixture": 0}, "mixture must be at least 1"),
+        ({"mixture": 2, "probabilistic": False}, "1 where not probabilistic"),
+        ({"variance_factor": (1.0, 0.0, 1.0, 1.0)}, "variance_factor needs 4 positive"),
+        ({"best_member": (0, 1, 2, 5)}, "best_member needs 4 of the members"),
+    ],
+)
+def test_policies_that_cannot_be_are_refused(values: dict, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        PolicyConfig(**{"members": 5, "probabilistic": True, **values})

@@ -16,6 +16,7 @@ from flightstack.training.dataset import Dataset
 from flightstack.training.perception import PerceptionRun
 from flightstack.training.policy import train_policy
 from flightstack.training.presets import PolicySettings
+from flightstack.training.recalibrate import recalibrate
 from flightstack.training.runs import read_run
 
 
@@ -79,6 +80,19 @@ def test_card_tells_seed_data_and_figures(folder: Path) -> None:
     assert "| encoder seed | 0 |" in card
     assert "| control data, sha256 | `synthetic` |" in card
     assert "| yaw_rate |" in card
+
+
+def test_recalibration_keeps_the_weights_and_flies(folder: Path, control_data: Dataset) -> None:
+    before = models.read_config(folder / models.CONFIG_FILE)
+    recalibrate(str(folder), control_data, seed=0, report=lambda _: None)
+    after = models.read_config(folder / models.CONFIG_FILE)
+    assert after.weights_sha256 == before.weights_sha256
+    assert all(0 <= member < 5 for member in after.policy.best_member)
+    assert after.policy.variance_factor == pytest.approx(before.policy.variance_factor, rel=0.5)
+    assert "redicted variances are" in (folder / "README.md").read_text()
+    frame = Frame(stamp_us=0, sequence=0, rgb=control_data.images[:1][0])
+    decision = load_pipeline(str(folder), "best/mean/same").decide(frame)
+    assert tuple(decision.member) == after.policy.best_member
 
 
 def test_metrics_stand_beside_the_weights(folder: Path, perception_run: PerceptionRun) -> None:

@@ -7,6 +7,7 @@ import torch
 
 from flightstack.errors import UsageError
 from flightstack.perception.dronet import Dronet
+from flightstack.training.assemble import policy_config
 from flightstack.training.dataset import Dataset
 from flightstack.training.errors import TrainingError
 from flightstack.training.latents import LatentSource
@@ -50,6 +51,19 @@ def test_deterministic_policy_learns_the_mean(
     settings = dataclasses.replace(SETTINGS, members=1, probabilistic=False)
     metrics = train(control_data, encoder, tmp_path, settings).metrics
     assert (np.array(metrics.rmse) < 0.7 * np.array(metrics.constant_rmse)).all()
+
+
+def test_mixture_heads_learn_and_are_read_back(
+    control_data: Dataset, encoder: Dronet, tmp_path: Path
+) -> None:
+    settings = dataclasses.replace(SETTINGS, mixture=3)
+    run = train(control_data, encoder, tmp_path, settings)
+    assert (np.array(run.metrics.rmse) < 0.7 * np.array(run.metrics.constant_rmse)).all()
+    assert policy_config(read_run(tmp_path).summary) == dataclasses.replace(
+        run.config,
+        variance_factor=run.metrics.variance_factor,
+        best_member=run.metrics.best_member,
+    )
 
 
 @pytest.mark.parametrize("bootstrap", [False, True])

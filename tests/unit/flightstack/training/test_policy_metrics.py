@@ -37,3 +37,28 @@ def test_line_names_every_velocity() -> None:
     )
     for name in ("vx", "vy", "vz", "yaw_rate"):
         assert f"{name} 1.000" in metrics.line()
+
+
+def test_recalibration_finds_the_factor_and_leaves_good_intervals_alone() -> None:
+    mean = RNG.normal(0.0, 1.0, (1, 20_000, 4))
+    target = mean[0] + RNG.normal(0.0, 0.5, (20_000, 4))
+    claimed = np.array([0.25, 1.0, 0.04, 0.27])  # variances; the truth is 0.25
+    metrics = measure_policy(
+        mean,
+        np.broadcast_to(claimed, mean.shape),
+        target,
+        members=1,
+        constant=np.zeros(4),
+        recalibrate=True,
+    )
+    assert metrics.variance_factor == pytest.approx([1.0, 0.25, 6.25, 1.0], rel=0.05)
+    assert metrics.coverage == pytest.approx([0.9] * 4, abs=0.02)
+    assert metrics.coverage_before[2] < 0.6
+
+
+def test_best_member_is_the_one_of_least_nll() -> None:
+    target = RNG.normal(0.0, 1.0, (500, 4))
+    off = np.array([[0.0, 1.0, 2.0, 0.0], [1.0, 0.0, 1.0, 1.0], [2.0, 2.0, 0.0, 3.0]])
+    mean = target + off[:, np.newaxis]
+    metrics = measure_policy(mean, np.ones(mean.shape), target, members=3, constant=np.zeros(4))
+    assert metrics.best_member == (0, 1, 2, 0)

@@ -37,7 +37,11 @@ def test_its_parameters_are_ones_that_the_autopilot_has():
         ("[1, 1, -1, -1]", "[1, 1, 1, -1]", "rotors.directions: expected two 1 and two -1"),
         ("[0.174, 0.174], ", "", "rotors.positions_frd_m: expected 4 pairs"),
         ("[drag]", "[drug]", "drag: missing"),
-        ("max_speed_rad_s = 1000.0", "max_speed_rad_s = 500.0", "too weak, hover takes 2.37 of its thrust"),
+        (
+            "max_speed_rad_s = 1000.0",
+            "max_speed_rad_s = 500.0",
+            "too weak, hover takes 2.37 of its thrust",
+        ),
         ("[rotors]", "[rotors", "not TOML"),
     ],
 )
