@@ -22,7 +22,7 @@ from pymavlink.dialects.v20 import all as mavlink
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from flightstack.logs import read, read_bytes  # noqa: E402
+from flightstack.logs import read, read_bytes
 
 MESSAGES = 200_000
 MANY = 2_000_000
