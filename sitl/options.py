@@ -104,6 +104,19 @@ def _parser() -> argparse.ArgumentParser:
         "PX4_PARAM_<NAME> are heeded, as by PX4; the command line goes before them.",
         allow_abbrev=False,
     )
+    _add_world(parser)
+    running = parser.add_argument_group("time")
+    running.add_argument(
+        "--speed-factor", type=_speed, metavar="X", help="1: real time; 0: as fast as possible"
+    )
+    running.add_argument(
+        "--lockstep", action="store_true", help="wait for an answer to each camera frame"
+    )
+    _add_connections(parser)
+    return parser
+
+
+def _add_world(parser: argparse.ArgumentParser) -> None:
     world = parser.add_argument_group("world")
     world.add_argument(
         "--seed", type=_seed, default=0, metavar="N", help="of light, colours and sensors"
@@ -129,15 +142,6 @@ def _parser() -> argparse.ArgumentParser:
     world.add_argument(
         "--perfect-estimate", action="store_true", help="let the autopilot know the true state"
     )
-    running = parser.add_argument_group("time")
-    running.add_argument(
-        "--speed-factor", type=_speed, metavar="X", help="1: real time; 0: as fast as possible"
-    )
-    running.add_argument(
-        "--lockstep", action="store_true", help="wait for an answer to each camera frame"
-    )
-    _add_connections(parser)
-    return parser
 
 
 def _add_connections(parser: argparse.ArgumentParser) -> None:

@@ -59,6 +59,8 @@ class Readings(NamedTuple):
     temperature_c: float
     gps: GpsReading
     health: SensorHealth
+    battery: float = 1.0  # charge left, 0..1
+    battery_v: float = 16.2  # of the whole pack
 
 
 class Estimate(NamedTuple):
@@ -74,6 +76,20 @@ class Estimate(NamedTuple):
     position_valid: bool  # horizontal position and velocity
     altitude_valid: bool
     sensors: SensorHealth = SensorHealth()
+    battery: float = 1.0  # charge left, 0..1
+
+
+NO_ESTIMATE = Estimate(
+    time_us=0,
+    position_ned=(0.0, 0.0, 0.0),
+    velocity_ned=(0.0, 0.0, 0.0),
+    q_ned_frd=(1.0, 0.0, 0.0, 0.0),
+    rates_frd=(0.0, 0.0, 0.0),
+    specific_force_frd=(0.0, 0.0, 0.0),
+    attitude_valid=False,
+    position_valid=False,
+    altitude_valid=False,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -22,6 +22,7 @@ from sitl.records import (
     Vector3,
     VehicleState,
 )
+from sitl.sensors.battery import Pack
 from sitl.sensors.camera import Camera
 from sitl.sensors.estimator import Estimator, PerfectEstimator
 from sitl.sensors.look import draw_look
@@ -94,7 +95,8 @@ class Simulation:
         self._hover_thrust = airframe.hover_thrust
         self.time_us = 0
         self.state: VehicleState = self._world.body.state(0)
-        self.readings: Readings = self._sensors.update(self.state)
+        self._load()
+        self.readings: Readings = self._sensors.update(self.state, self._pack)
         self.estimate: Estimate = self._estimator.update(self.state, self.readings)
 
     def close(self) -> None:
@@ -149,8 +151,23 @@ class Simulation:
         self.autopilot.start_airborne()
 
     def _sense(self) -> None:
-        self.readings = self._sensors.update(self.state)
+        if self.parameters.version != self._parameters_version:
+            self._load()
+        self._sensors.battery.advance(TICK_US, self._pack, armed=self.autopilot.armed)
+        self.readings = self._sensors.update(self.state, self._pack)
         self.estimate = self._estimator.update(self.state, self.readings)
+
+    def _load(self) -> None:
+        """Take changed parameters in."""
+        p = self.parameters
+        self._parameters_version = p.version
+        self._pack = Pack(
+            int(p["BAT1_N_CELLS"]),
+            p["BAT1_V_CHARGED"],
+            p["BAT1_V_EMPTY"],
+            p["SIM_BAT_DRAIN"],
+            p["SIM_BAT_MIN_PCT"] / 100.0,
+        )
 
     def _make_estimator(self) -> Estimator | PerfectEstimator:
         if self.config.perfect_estimate:

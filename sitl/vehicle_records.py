@@ -89,5 +89,6 @@ class VehicleStatus:
     attitude_valid: bool
     position_valid: bool
     altitude_valid: bool
+    battery_warning: int = 0  # 0 fine, 1 low, 2 critical, 3 emergency
     throttle: float  # 0..1, collective
     actuator_outputs: tuple[int, int, int, int]  # us, as SERVO_OUTPUT_RAW: 900 when disarmed

@@ -4,9 +4,10 @@ import math
 from collections.abc import Sequence
 
 from sitl.autopilot.cascade import Cascade, tilt_tan
-from sitl.autopilot.checks import Health
 from sitl.autopilot.commander import INFO, Commander
 from sitl.autopilot.commands import Commands
+from sitl.autopilot.health_watch import HealthWatch
+from sitl.autopilot.home import Home
 from sitl.autopilot.land_detector import LandDetector
 from sitl.autopilot.missions import Missions
 from sitl.autopilot.navigator import Goal, Navigator
@@ -14,11 +15,11 @@ from sitl.autopilot.offboard import OffboardStream
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.position_control import Limits
 from sitl.autopilot.report import report_setpoint, report_status
-from sitl.autopilot.setpoint import Setpoint
+from sitl.autopilot.setpoint import Setpoint, level
 from sitl.autopilot.takeoff import Stage, Takeoff
 from sitl.frames import yaw_of
 from sitl.modes import Mode
-from sitl.records import Estimate, MotorThrusts, StatusText, Vector3
+from sitl.records import NO_ESTIMATE, Estimate, MotorThrusts, StatusText, Vector3
 from sitl.vehicle_records import (
     Command,
     CommandResult,
@@ -28,20 +29,8 @@ from sitl.vehicle_records import (
 )
 
 ORIGIN: Vector3 = (0.0, 0.0, 0.0)
-NOTHING = Estimate(
-    time_us=0,
-    position_ned=ORIGIN,
-    velocity_ned=ORIGIN,
-    q_ned_frd=(1.0, 0.0, 0.0, 0.0),
-    rates_frd=ORIGIN,
-    specific_force_frd=ORIGIN,
-    attitude_valid=False,
-    position_valid=False,
-    altitude_valid=False,
-)
 IDLE_THRUST = 0.001  # what PX4 shows on the ground
 RAMP_THRUST = 0.001  # least thrust before flight: the ramp begins with none
-CLEAR_M = 1.0  # above this the hover thrust is learnt, as PX4 does
 
 
 class Autopilot:
@@ -62,9 +51,9 @@ class Autopilot:
         self.parameters = parameters
         self._version = parameters.version
         self._home = home
-        self._home_ned: Vector3 | None = None
+        self._home_place = Home()
         self._hover_thrust = hover_thrust
-        self._estimate = NOTHING
+        self._estimate = NO_ESTIMATE
         self._entries = 0
         self._airborne_pending = False
         self._clear = False  # flying, and once well above the ground
@@ -74,6 +63,7 @@ class Autopilot:
         self._navigator = Navigator(parameters, self.missions.flight)
         self._commands = Commands(self._commander, self.missions, self._navigator, home)
         self._offboard = OffboardStream(parameters)
+        self._health = HealthWatch(parameters)
         self._takeoff = Takeoff(parameters)
         self._land_detector = LandDetector(parameters)
         self._load_limits()
@@ -81,7 +71,7 @@ class Autopilot:
     def start_airborne(self) -> None:
         """Begin in the air, armed, in OFFBOARD, hovering: for training, never for a flight."""
         self._airborne_pending = self._clear = True
-        self._home_ned = ORIGIN
+        self._home_place.known_ned = ORIGIN
         self._commander.start_airborne()
         self._takeoff.start_airborne()
         self._land_detector.start_airborne()
@@ -99,16 +89,18 @@ class Autopilot:
             )
         commander = self._commander
         landed = self._detect_landing(estimate)
-        health = Health(
-            estimate.attitude_valid,
-            estimate.position_valid,
-            estimate.altitude_valid,
-            self._offboard.is_alive(estimate.time_us),
-            self.missions.is_available,
-            self._is_fence_breached(estimate),
+        health = self._health.update(
+            estimate,
+            self._offboard,
+            mission_available=self.missions.is_available,
+            fence_breached=self._is_fence_breached(estimate),
         )
         commander.update(estimate.time_us, health, landed=landed)
-        self._keep_home(estimate)
+        request, self._commands.home_request = self._commands.home_request, None
+        just_armed = commander.armed and self._takeoff.stage is Stage.DISARMED
+        self._home_place.keep(estimate, request, just_armed=just_armed)
+        if just_armed:
+            self._health.links.armed(estimate.time_us)
         if commander.entries != self._entries:
             self._entries = commander.entries
             self._enter(estimate)
@@ -132,7 +124,20 @@ class Autopilot:
 
     def drain_texts(self) -> list[StatusText]:
         """Take the texts that came up since the last call."""
-        return self._commander.drain_texts()
+        return self._health.drain_texts() + self._commander.drain_texts()
+
+    def ground_station_heard(self) -> None:
+        """Note a ground station's heartbeat: its loss is a failsafe's matter."""
+        self._health.links.ground_station.heard(self._estimate.time_us)
+
+    def companion_heard(self) -> None:
+        """Note a companion computer's heartbeat: its loss is told."""
+        self._health.links.companion.heard(self._estimate.time_us)
+
+    @property
+    def armed(self) -> bool:
+        """Whether the rotors may turn."""
+        return self._commander.armed
 
     @property
     def yaw_rad(self) -> float:
@@ -147,7 +152,7 @@ class Autopilot:
             self._cascade,
             self._estimate,
             home=self._home,
-            home_ned=self._home_ned,
+            home_ned=self._home_place.known_ned,
         )
 
     @property
@@ -166,7 +171,7 @@ class Autopilot:
             climbs = self.missions.flight.wants_climb(estimate, landed=landed)
         stage = takeoff.update(time_us, armed=True, landed=landed, wants_climb=climbs)
         in_flight = stage is Stage.FLIGHT
-        self._clear = in_flight and (self._clear or self._is_clear_of_ground(estimate))
+        self._clear = in_flight and (self._clear or self._home_place.is_clear_of_ground(estimate))
         if not (in_flight or stage is Stage.RAMP_UP) or (
             in_flight and self._land_detector.ground_contact
         ):
@@ -190,13 +195,13 @@ class Autopilot:
             self._commander.continue_as_hold()
         if mode is Mode.MISSION and self.missions.flight.take_return():
             self._commander.switch(Mode.RTL)
-        return setpoint
+        return setpoint if estimate.position_valid else level(setpoint)
 
     def _enter(self, estimate: Estimate) -> None:
         """Begin the commander's mode."""
         commander = self._commander
         mode, goal = commander.mode, commander.goal
-        home = self._home_ned or ORIGIN
+        home = self._home_place.position_ned
         if mode is Mode.TAKEOFF:
             goal = self._takeoff_goal(goal, estimate)
         if mode is Mode.RTL:
@@ -220,7 +225,7 @@ class Autopilot:
         down = estimate.position_ned[2]
         if math.isnan(z):
             height = self.parameters["MIS_TAKEOFF_ALT"]
-            z = (self._home_ned or estimate.position_ned)[2] - height
+            z = (self._home_place.known_ned or estimate.position_ned)[2] - height
             if self._commander.armed:
                 self._commander.say(INFO, f"Using default takeoff altitude: {height:.1f} m")
         return goal._replace(position_ned=(x, y, min(z, down)))
@@ -235,25 +240,11 @@ class Autopilot:
             thrust=asked.thrust,
         )
 
-    def _keep_home(self, estimate: Estimate) -> None:
-        """Home is where the vehicle stood when it was armed, or where a command has put it."""
-        request, self._commands.home_request = self._commands.home_request, None
-        if request is not None:
-            here = math.isnan(request[0])
-            self._home_ned = estimate.position_ned if here else request
-        elif estimate.position_valid and (self._home_ned is None or self._just_armed()):
-            self._home_ned = estimate.position_ned
-
     def _is_fence_breached(self, estimate: Estimate) -> bool:
-        if self._home_ned is None or not estimate.position_valid:
+        home = self._home_place.known_ned
+        if home is None or not estimate.position_valid:
             return False
-        return self.missions.watch(estimate.time_us, estimate.position_ned, self._home_ned)
-
-    def _just_armed(self) -> bool:
-        return self._commander.armed and self._takeoff.stage is Stage.DISARMED
-
-    def _is_clear_of_ground(self, estimate: Estimate) -> bool:
-        return (self._home_ned or ORIGIN)[2] - estimate.position_ned[2] > CLEAR_M
+        return self.missions.watch(estimate.time_us, estimate.position_ned, home)
 
     def _load(self) -> None:
         """Take changed parameters into every part."""
@@ -264,6 +255,7 @@ class Autopilot:
             self.missions,
             self._navigator,
             self._offboard,
+            self._health,
             self._takeoff,
             self._land_detector,
         ):

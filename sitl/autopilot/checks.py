@@ -1,8 +1,10 @@
 """Which modes can be armed, and which can run now."""
 
+from enum import IntEnum
 from typing import NamedTuple
 
 from sitl.modes import Mode
+from sitl.records import SensorHealth
 
 NAMES = {
     Mode.MANUAL: "Manual",
@@ -21,36 +23,61 @@ NAMES = {
     Mode.TERMINATION: "Termination",
 }
 
-ARMABLE = {Mode.HOLD, Mode.TAKEOFF, Mode.OFFBOARD, Mode.MISSION}
-NEEDS_POSITION = {Mode.HOLD, Mode.TAKEOFF, Mode.OFFBOARD, Mode.RTL, Mode.MISSION}
+ARMABLE = {Mode.HOLD, Mode.TAKEOFF, Mode.OFFBOARD, Mode.MISSION, Mode.ALTCTL, Mode.POSCTL}
+NEEDS_POSITION = {*ARMABLE - {Mode.ALTCTL}, Mode.RTL}
+NEEDS_STICKS = {Mode.ALTCTL, Mode.POSCTL}
+
+
+class Battery(IntEnum):
+    """How empty the battery is."""
+
+    FINE = 0
+    LOW = 1
+    CRITICAL = 2
+    EMERGENCY = 3
 
 
 class Health(NamedTuple):
-    """What the checks look at."""
+    """What the checks and the failsafes look at."""
 
     attitude_valid: bool = False
     position_valid: bool = False
     altitude_valid: bool = False
     offboard_available: bool = False  # setpoints younger than COM_OF_LOSS_T
+    offboard_by_attitude: bool = False  # those setpoints need no position
+    sticks_available: bool = False  # MANUAL_CONTROL younger than COM_RC_LOSS_T
+    sticks_lost: bool = False  # there were sticks, and they have become silent
+    ground_station_lost: bool = False  # likewise its heartbeat, for COM_DL_LOSS_T
     mission_available: bool = False  # uploaded, and within the fence
     fence_breached: bool = False  # and GF_ACTION is set
+    battery: Battery = Battery.FINE
+    sensors: SensorHealth = SensorHealth()
 
 
 def can_run(mode: Mode, health: Health) -> bool:
     """Say whether a mode may be switched to in flight.
 
-    There are no sticks and nobody to follow: the modes that need them can't run.
+    There is nobody to follow: the mode that needs one can't run. Manual, acro and stabilised flight
+    are not offered.
     """
     if mode is Mode.LAND:  # always accepted: the way out
         return True
+    if mode is Mode.ALTCTL:
+        return health.attitude_valid and health.altitude_valid and health.sticks_available
+    if mode is Mode.OFFBOARD and health.offboard_by_attitude:
+        return health.attitude_valid and health.offboard_available
     located = health.attitude_valid and health.position_valid and health.altitude_valid
-    if mode is Mode.OFFBOARD:
-        return located and health.offboard_available
-    if mode is Mode.MISSION:
-        return located and health.mission_available
-    return mode in NEEDS_POSITION and located
+    supplied = {
+        Mode.OFFBOARD: health.offboard_available,
+        Mode.MISSION: health.mission_available,
+        Mode.POSCTL: health.sticks_available,
+    }
+    return mode in NEEDS_POSITION and located and supplied.get(mode, True)
 
 
 def can_arm(mode: Mode, health: Health) -> bool:
     """Say whether the vehicle may be armed in a mode."""
-    return mode in ARMABLE and can_run(mode, health) and not health.fence_breached
+    sensors = health.sensors
+    sound = sensors.gyro and sensors.accelerometer and sensors.magnetometer and sensors.barometer
+    fit = sound and health.battery < Battery.LOW and not health.fence_breached
+    return mode in ARMABLE and fit and can_run(mode, health)

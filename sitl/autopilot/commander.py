@@ -6,7 +6,16 @@ What the user intends and what is flown differ only in a failsafe:
 """
 
 from sitl.autopilot.checks import ARMABLE, NAMES, Health, can_arm, can_run
-from sitl.autopilot.failsafe import Conditions, decide
+from sitl.autopilot.failsafe import (
+    Action,
+    Actions,
+    Cause,
+    Conditions,
+    Decision,
+    Memory,
+    decide,
+    override,
+)
 from sitl.autopilot.navigator import Goal
 from sitl.autopilot.parameters import Parameters
 from sitl.clock import SECOND_US
@@ -14,6 +23,12 @@ from sitl.modes import BASE_ARMED, BASE_ATTITUDE, Mode
 from sitl.records import StatusText
 
 CRITICAL, INFO = 2, 6  # MAV_SEVERITY
+FOLLOWING = {
+    Action.RETURN: "Return",
+    Action.LAND: "Land",
+    Action.DISARM: "Disarm",
+    Action.TERMINATE: "Flight termination",
+}
 BOOT, STANDBY, ACTIVE, FAILSAFE, TERMINATED = 0, 3, 4, 5, 8  # MAV_STATE
 
 
@@ -24,11 +39,12 @@ class Commander:
         self.armed = False
         self.intended = self.mode = Mode.HOLD
         self.failsafe = False
+        self._cause: Cause | None = None  # of the failsafe
+        self._memory = Memory()
         self.goal = Goal()
         self.entries = 0  # counts beginnings of a mode, so that one can begin again
         self.health = Health()
         self._after_disarming = Mode.HOLD
-        self._fence_acts = False  # breached, and the user has not taken over since
         self._landed = True
         self._has_flown = False  # since arming
         self._since_us = 0  # arming or landing, whichever was last
@@ -42,8 +58,16 @@ class Commander:
         p = parameters
         self._disarm_landed_us = round(p["COM_DISARM_LAND"] * SECOND_US)
         self._disarm_preflight_us = round(p["COM_DISARM_PRFLT"] * SECOND_US)
-        self._offboard_loss_action = int(p["COM_OBL_RC_ACT"])
-        self._fence_action = int(p["GF_ACTION"])
+        self._actions = Actions(
+            int(p["COM_OBL_RC_ACT"]),
+            int(p["NAV_DLL_ACT"]),
+            int(p["COM_DLL_EXCEPT"]),
+            int(p["NAV_RCL_ACT"]),
+            int(p["COM_RCL_EXCEPT"]),
+            int(p["COM_LOW_BAT_ACT"]),
+            int(p["GF_ACTION"]),
+            round(p["COM_FAIL_ACT_T"] * SECOND_US),
+        )
 
     def say(self, severity: int, text: str) -> None:
         """Tell the pilot; PX4's texts end in a tab."""
@@ -66,8 +90,6 @@ class Commander:
 
     def update(self, time_us: int, health: Health, *, landed: bool) -> None:
         """Advance to `time_us`: failsafe, landing, automatic disarming."""
-        if health.fence_breached and not self.health.fence_breached:
-            self._fence_acts = self.armed
         self._time_us, self.health = time_us, health
         if not self._ready and can_arm(Mode.HOLD, health):
             self._ready = True
@@ -118,11 +140,12 @@ class Commander:
         return True
 
     def begin(self, mode: Mode, goal: Goal | None = None) -> None:
-        """Intend a mode, begin it, and lead it to a goal; it takes over from the fence."""
-        self._fence_acts = False
+        """Intend a mode, begin it, and lead it to a goal; it takes over from a failsafe."""
         if mode is not self.intended or goal is not None or self.failsafe:
             self.entries += 1
             self.goal = goal or Goal()
+        if self.failsafe:
+            self._memory = override(self._conditions(), self._memory)
         self.intended = mode
         if mode in ARMABLE and (mode is not Mode.OFFBOARD or self.health.offboard_available):
             self._after_disarming = mode
@@ -166,20 +189,10 @@ class Commander:
         """Let the failsafe table choose the mode, and say so when it takes over."""
         if self.intended is Mode.TERMINATION:
             return
-        available = self.health.offboard_available
-        decision = decide(
-            Conditions(
-                self.armed,
-                self.intended,
-                available,
-                self._offboard_loss_action,
-                self._fence_acts,
-                self._fence_action,
-            )
-        )
-        if decision.failsafe and not self.failsafe:
-            self.say(CRITICAL, "Failsafe activated")
-        self.failsafe = decision.failsafe
+        decision, self._memory = decide(self._conditions(), self._memory, self._time_us)
+        if decision.cause is not self._cause:
+            self._tell_of(decision)
+        self.failsafe, self._cause = decision.cause is not None, decision.cause
         if decision.mode is None:
             self._disarm("Disarmed by failsafe")
         elif decision.mode is Mode.TERMINATION:
@@ -187,6 +200,22 @@ class Commander:
         elif decision.mode is not self.mode:
             self.mode = decision.mode
             self.entries += 1
+
+    def _conditions(self) -> Conditions:
+        return Conditions(self.armed, self.intended, self.health, self._actions)
+
+    def _tell_of(self, decision: Decision) -> None:
+        """Say that a failsafe begins, and why where it isn't plain."""
+        cause, following = decision.cause, decision.next_action
+        if cause is None:
+            return
+        if not self.failsafe:
+            self.say(CRITICAL, "Failsafe activated")
+        if following is not None:
+            seconds = self._actions.hold_us / SECOND_US
+            self.say(CRITICAL, f"{cause.value}: {FOLLOWING[following]} in {seconds:.0f} s")
+        elif cause is not Cause.SETPOINTS:
+            self.say(CRITICAL, cause.value)
 
     def _disarm_when_idle(self, idle_us: int) -> None:
         if self._has_flown and 0 < self._disarm_landed_us <= idle_us:
@@ -197,7 +226,7 @@ class Commander:
     def _disarm(self, text: str) -> None:
         """Stop, and fall back to the mode that the user last chose and that could be armed."""
         self.armed, self.failsafe, self._landed = False, False, True
-        self._fence_acts = False
+        self._cause, self._memory = None, Memory()
         self.intended = self.mode = self._after_disarming
         self.goal = Goal()
         self.entries += 1

@@ -19,6 +19,7 @@ class OffboardStream:
         self._good = STOP
         self._stop_at_us: int | None = None  # where the newest can't be flown
         self._held_yaw_rad: float | None = None
+        self.by_attitude = False  # the newest asks for an attitude or rates, not for motion
         self.load(parameters)
 
     def load(self, parameters: Parameters) -> None:

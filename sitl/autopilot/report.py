@@ -39,6 +39,7 @@ def report_status(
         attitude_valid=estimate.attitude_valid,
         position_valid=estimate.position_valid,
         altitude_valid=estimate.altitude_valid,
+        battery_warning=int(commander.health.battery),
         throttle=cascade.asked.thrust,
         actuator_outputs=_outputs(cascade, armed=commander.armed),
     )

@@ -18,3 +18,12 @@ class Setpoint(NamedTuple):
 
 
 IDLE = Setpoint(acceleration_ned=(0.0, 0.0, 100.0))  # rotors idle: as PX4 shows it on the ground
+
+
+def level(setpoint: Setpoint) -> Setpoint:
+    """Keep the vertical part, and stay level: for when nobody knows the horizontal motion."""
+    return setpoint._replace(
+        position_ned=(math.nan, math.nan, setpoint.position_ned[2]),
+        velocity_ned=(math.nan, math.nan, setpoint.velocity_ned[2]),
+        acceleration_ned=(0.0, 0.0, setpoint.acceleration_ned[2]),
+    )

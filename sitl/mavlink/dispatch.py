@@ -76,7 +76,7 @@ class Dispatcher:
         """Answer one message."""
         message, message_id = received.message, received.message_id
         if message_id == mavlink.MAVLINK_MSG_ID_HEARTBEAT:
-            self._on_heartbeat(message, link)
+            self._on_heartbeat(received, link)
         elif message_id in COMMANDS:
             self._on_command(received, link)
         elif message_id in self._for_anybody:
@@ -119,10 +119,14 @@ class Dispatcher:
         target = (message.target_system, message.target_component)
         return target == (self._system, REFEREE)
 
-    def _on_heartbeat(self, message: Message, link: Link) -> None:
-        if message.type != mavlink.MAV_TYPE_GCS:
+    def _on_heartbeat(self, received: Received, link: Link) -> None:
+        kind = received.message.type
+        if kind == mavlink.MAV_TYPE_ONBOARD_CONTROLLER and received.system == self._system:
+            self._vehicle.autopilot.companion_heard()
+        if kind != mavlink.MAV_TYPE_GCS:
             return
         link.gcs_heard = True
+        self._vehicle.autopilot.ground_station_heard()
         text = self._servers.ground_station.heard(self._vehicle.time_us)
         if text is not None:
             self._outgoing.say(text)

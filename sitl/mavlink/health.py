@@ -1,7 +1,7 @@
 """Encode how the vehicle is: heartbeat, modes, health, battery."""
 
 from sitl.mavlink.dialect import Message, mavlink
-from sitl.mavlink.view import View
+from sitl.mavlink.view import View, uint16
 from sitl.mission_records import MissionProgress
 from sitl.records import SensorHealth
 
@@ -15,10 +15,9 @@ SENSOR_ATTITUDE = 0x0800 | 0x200000  # stabilisation and AHRS
 SENSOR_POSITION = 0x4000  # horizontal position control
 SENSOR_PREARM = 0x10000000
 LOAD_PERMILLE = 120  # inside the band that PX4 shows; ours depends on the host
-CELL_MILLIVOLTS = 16200  # the whole pack, as PX4 reports a battery without cell taps
-NO_CELL = 65535
+NO_CELL = 65535  # the whole pack stands in the first cell, as PX4 reports one without taps
 CURRENT_UNKNOWN = -100  # PX4's -1 A
-CHARGE_OK = 1
+CHARGE_OK = 1  # MAV_BATTERY_CHARGE_STATE; low, critical and emergency follow
 ESTIMATOR_ALL = 1023
 ESTIMATOR_ATTITUDE = 1
 ESTIMATOR_VERTICAL = 4 | 32  # vertical velocity, absolute height
@@ -79,9 +78,9 @@ def sys_status(view: View) -> Message:
         SENSORS_ENABLED,
         healthy,
         LOAD_PERMILLE,
-        CELL_MILLIVOLTS,
+        uint16(view.readings.battery_v * 1e3),
         CURRENT_UNKNOWN,
-        100,
+        round(view.readings.battery * 100.0),
         *(0,) * 6,
     )
 
@@ -98,20 +97,20 @@ def _failed(sensors: SensorHealth) -> int:
     return sum(bit for bit, is_healthy in bits.items() if not is_healthy)
 
 
-def battery_status(_view: View) -> Message:
-    """BATTERY_STATUS: a battery that never empties."""
+def battery_status(view: View) -> Message:
+    """BATTERY_STATUS: the pack as a whole, and how urgent its state is."""
     return mavlink.MAVLink_battery_status_message(
         0,
         mavlink.MAV_BATTERY_FUNCTION_ALL,
         mavlink.MAV_BATTERY_TYPE_LIPO,
         2**15 - 1,
-        (CELL_MILLIVOLTS, *(NO_CELL,) * 9),
+        (uint16(view.readings.battery_v * 1e3), *(NO_CELL,) * 9),
         CURRENT_UNKNOWN,
         -1,
         -1,
-        100,
+        round(view.readings.battery * 100.0),
         0,
-        CHARGE_OK,
+        CHARGE_OK + view.status.battery_warning,
     )
 
 

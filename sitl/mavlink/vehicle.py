@@ -91,6 +91,12 @@ class Autopilot(Protocol):
     def offboard_setpoint(self, setpoint: OffboardSetpoint) -> None:
         """Take the newest offboard setpoint."""
 
+    def ground_station_heard(self) -> None:
+        """Note a ground station's heartbeat."""
+
+    def companion_heard(self) -> None:
+        """Note a companion computer's heartbeat."""
+
     def drain_texts(self) -> list[StatusText]:
         """Hand over what it has said since the last call."""
 

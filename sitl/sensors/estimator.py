@@ -7,7 +7,7 @@ they do while a filter aligns itself, and false once an aid has been missing for
 
 import numpy as np
 
-from sitl.records import Estimate, Readings, SensorHealth, Vector3, VehicleState
+from sitl.records import Estimate, Readings, Vector3, VehicleState
 from sitl.sensors.drift import Drift
 from sitl.sensors.noise import normals
 
@@ -15,7 +15,6 @@ ATTITUDE_VALID_US = 200_000  # assumption: tilt alignment of a still vehicle
 ALTITUDE_VALID_US = 600_000  # assumption: barometer
 POSITION_VALID_US = 1_000_000  # assumption: GPS; a real EKF takes some 8 s
 NO_AID_US = 5_000_000  # PX4 EKF2_NOAID_TOUT: dead reckoning counts as valid for this long
-HEALTHY = SensorHealth()
 
 
 class PerfectEstimator:
@@ -30,8 +29,10 @@ class PerfectEstimator:
 
     def update(self, state: VehicleState, readings: Readings | None = None) -> Estimate:
         """Estimate the state at `state.time_us`."""
-        sensors = HEALTHY if readings is None else readings.health
-        return Estimate(*state, *self._validity.update(state.time_us, readings), sensors)
+        flags = self._validity.update(state.time_us, readings)
+        if readings is None:
+            return Estimate(*state, *flags)
+        return Estimate(*state, *flags, readings.health, readings.battery)
 
 
 class Estimator:
@@ -77,6 +78,7 @@ class Estimator:
             _subtract(sensed.specific_force_frd, self._accelerometer_bias),
             *flags,
             sensors,
+            readings.battery,
         )
 
 

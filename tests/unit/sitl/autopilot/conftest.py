@@ -49,6 +49,7 @@ class Flight:
         )
         self.time_us = 0
         self.stream: OffboardSetpoint | None = None  # sent at 20 Hz while it is not None
+        self.change: Callable[[Estimate], Estimate] = lambda estimate: estimate  # of each tick
         self.texts: list[tuple[int, StatusText]] = []
         self._estimator = PerfectEstimator()
         self._schedule = Schedule(STREAM_HZ)
@@ -90,7 +91,7 @@ class Flight:
         self.body.apply(motors, TICK_US / 1e6)
         pybullet.stepSimulation(physicsClientId=self._client)
         self.time_us += TICK_US
-        self.estimate = self._estimator.update(self.body.state(self.time_us))
+        self.estimate = self.change(self._estimator.update(self.body.state(self.time_us)))
         self.texts += [(self.time_us, text) for text in self.autopilot.drain_texts()]
 
     def run(self, seconds: float) -> None:

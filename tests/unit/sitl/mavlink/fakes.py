@@ -153,6 +153,7 @@ class FakeAutopilot:
     commands: list[Command] = field(default_factory=list)
     setpoints: list[OffboardSetpoint] = field(default_factory=list)
     texts: list[StatusText] = field(default_factory=list)
+    heard: list[str] = field(default_factory=list)
 
     def command(self, command: Command) -> CommandResult | None:
         self.commands.append(command)
@@ -160,6 +161,12 @@ class FakeAutopilot:
 
     def offboard_setpoint(self, setpoint: OffboardSetpoint) -> None:
         self.setpoints.append(setpoint)
+
+    def ground_station_heard(self) -> None:
+        self.heard.append("ground station")
+
+    def companion_heard(self) -> None:
+        self.heard.append("companion")
 
     def drain_texts(self) -> list[StatusText]:
         texts, self.texts = self.texts, []
