@@ -3,7 +3,9 @@
 The first autopilot heard (component 1, a HEARTBEAT that names an autopilot) is the vehicle. From
 then on datagrams from other addresses are dropped, so that nobody else can pose as it by port.
 Under a signing key, what is not signed with it is refused and not even logged. Messages that need
-no signature are logged but not heeded: a forged HEARTBEAT could end a flight.
+no signature are logged but not heeded: a forged HEARTBEAT could end a flight. A PX4 whose clock has
+stood still while it was off signs with old timestamps. It is not believed, but spoken to: our own
+HEARTBEAT tells it the time, as the signing protocol has it.
 """
 
 import time
@@ -106,6 +108,7 @@ class Link:
         self.vehicle: Vehicle | None = None
         self.refused: Counter[Verdict] = Counter()  # frames, by reason
         self._signing = signing
+        self._stale_address: Address | None = None  # of one who may be the vehicle
         self._vehicle_system = NOBODY
         self._transport = transport
         self._wall_s = wall_s
@@ -134,7 +137,7 @@ class Link:
             if self.vehicle is not None and address != self.vehicle.address:
                 continue
             for frame in frames:
-                if self._signing is None or self._admits(frame, self._signing):
+                if self._signing is None or self._admits(frame, address, self._signing):
                     self._take(frame, address, messages)
         for frame in self._newest.values():
             self._decode(frame, messages)
@@ -148,7 +151,8 @@ class Link:
         self._protocol.seq = (self._protocol.seq + 1) % 256
         if self._signing is not None:
             frame = self._signing.sign(frame)
-        if self._transport.send(frame, self.vehicle.address if self.vehicle else None):
+        address = self.vehicle.address if self.vehicle else self._stale_address
+        if self._transport.send(frame, address):
             self.tlog.append(self.clock.elapsed_us, frame)
 
     def close(self) -> None:
@@ -156,9 +160,11 @@ class Link:
         self.tlog.close()
         self._transport.close()
 
-    def _admits(self, frame: bytes, signing: Signing) -> bool:
+    def _admits(self, frame: bytes, address: Address | None, signing: Signing) -> bool:
         """Whether to heed a frame; what is neither heeded nor refused is logged."""
         verdict = signing.verify(frame)
+        if verdict is Verdict.STALE:
+            self._stale_address = address
         if verdict is Verdict.OPEN:
             self.tlog.append(self.clock.elapsed_us, frame)
         elif verdict is not Verdict.GENUINE:

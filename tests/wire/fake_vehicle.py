@@ -43,6 +43,7 @@ class Script:
     has_camera: bool = True  # without one, time runs free at five times real time
     autopilot: int = 12
     signing_key: bytes | None = None
+    signing_lag_s: float = 0.0  # how far its signing clock is behind
 
 
 class FakeVehicle:
@@ -72,7 +73,7 @@ class FakeVehicle:
         self._client: socket.socket | None = None
         self._parser = common.MAVLink(None)
         self._parser.robust_parsing = True
-        self._parser.signing.secret_key = self.script.signing_key
+        self._parser.signing = self._new_signing()
         self._sequences: dict[int, common.MAVLink] = {}
         image = np.full((64, 64, 3), (10, 20, 30), np.uint8)  # BGR
         self._png = cv2.imencode(".png", image)[1].tobytes()
@@ -282,7 +283,12 @@ class FakeVehicle:
 
     def _new_source(self, component: int) -> common.MAVLink:
         source = self._sequences[component] = common.MAVLink(None, 1, component)
-        source.signing.secret_key = self.script.signing_key
-        source.signing.sign_outgoing = self.script.signing_key is not None
-        source.signing.timestamp = int((time.time() - SIGNING_EPOCH_S) * 1e5)
+        source.signing = self._parser.signing  # one clock, which what is heard sets forward
         return source
+
+    def _new_signing(self) -> common.MAVLinkSigning:
+        signing = common.MAVLinkSigning()
+        signing.secret_key = self.script.signing_key
+        signing.sign_outgoing = self.script.signing_key is not None
+        signing.timestamp = int((time.time() - SIGNING_EPOCH_S - self.script.signing_lag_s) * 1e5)
+        return signing

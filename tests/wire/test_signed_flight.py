@@ -33,6 +33,14 @@ def test_flies_signed_as_unsigned(tmp_path: Path) -> None:
     assert "refused" not in trial.output.getvalue()
 
 
+def test_a_vehicle_whose_clock_stood_still_is_told_the_time(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script(signing_key=KEY, signing_lag_s=86_400.0), signing_key=KEY)
+    assert trial.fly().outcome is Outcome.COMPLETED
+    first = trial.vehicle.received[0]
+    assert (first.get_type(), first.get_srcComponent()) == ("HEARTBEAT", 191)
+    assert "stamped more than a minute ago" in trial.output.getvalue()
+
+
 def test_a_vehicle_of_another_key_is_told(tmp_path: Path) -> None:
     trial = Trial(tmp_path, Script(signing_key=OTHER_KEY), signing_key=KEY, timeout_s=1.0)
     with pytest.raises(LinkError, match="what came was refused: not signed with our key"):

@@ -7,8 +7,8 @@ import pytest
 from pymavlink.dialects.v20 import common
 
 from flightstack.mavlink.framing import split_frames
-from flightstack.mavlink.signing import LATEST_TICKS, Signing, Verdict
-from tests.unit.flightstack.mavlink.made_link import MadeLink, heartbeat
+from flightstack.mavlink.signing import LATEST_TICKS, MINUTE_TICKS, Signing, Verdict
+from tests.unit.flightstack.mavlink.made_link import VEHICLE, MadeLink, heartbeat
 from tests.unit.flightstack.mavlink.test_signing import (
     KEY,
     NOW_TICKS,
@@ -95,3 +95,22 @@ def test_without_a_key_signatures_are_carried_along(tmp_path: Path) -> None:
     assert made.link.vehicle.signs
     made.link.send(heartbeat())
     assert made.transport.sent[0][0][2] == 0
+
+
+def test_an_authentic_but_old_heartbeat_is_answered_not_believed(made: MadeLink) -> None:
+    made.hear(bytes(heartbeat().pack(pymavlink_end(ticks=NOW_TICKS - 10 * MINUTE_TICKS))))
+    assert made.link.drain() == []
+    assert made.link.vehicle is None
+    made.link.send(heartbeat(autopilot=8))
+    assert made.transport.sent[0][1] == VEHICLE
+    made.hear(bytes(heartbeat().pack(pymavlink_end())), ("10.0.0.2", 14580))
+    made.link.drain()
+    made.link.send(heartbeat(autopilot=8))
+    assert made.transport.sent[1][1] == ("10.0.0.2", 14580)
+
+
+def test_a_forged_heartbeat_is_not_even_answered(made: MadeLink) -> None:
+    made.hear(bytes(heartbeat().pack(pymavlink_end(OTHER_KEY))))
+    made.link.drain()
+    made.link.send(heartbeat(autopilot=8))
+    assert made.transport.sent[0][1] is None
