@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 from sitl.mavlink.health import heartbeat
 from sitl.mavlink.link import Guard, Link
 from sitl.mavlink.signing import Signing
+from sitl.mavlink.tcp_link import TcpLink
+from sitl.mavlink.udp_client_link import UdpClientLink
 from sitl.mavlink.udp_link import LinkConfig, UdpLink
 from sitl.modes import Mode
 from sitl.options import Options
@@ -67,6 +69,10 @@ def _open_links(options: Options, guard: Guard, stack: ExitStack) -> list[Link]:
         config = LinkConfig(name=name, local_port=ports[0], remote_port=ports[1])
         link = UdpLink(config, system=options.system, index=index, guard=guard)
         links.append(stack.enter_context(closing(link)))
+    for connect, addresses in ((UdpClientLink, options.udp), (TcpLink, options.tcp)):
+        for address in addresses:
+            further = connect(address, system=options.system, index=len(links), guard=guard)
+            links.append(stack.enter_context(closing(further)))
     return links
 
 

@@ -1,13 +1,14 @@
 """What the user asks for: the command line over PX4's environment variables over defaults."""
 
 import argparse
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, NoReturn, TypeVar
 
+from sitl import option_values as values
 from sitl.errors import UsageError
+from sitl.option_values import Address
 from sitl.records import Vector3
 
 HOME = (47.397742, 8.545594, 489.4)  # deg, deg, m AMSL; PX4's default
@@ -16,7 +17,6 @@ GCS_PORTS = (18570, 14550)  # local, remote, as PX4; the local one grows with th
 API_PORTS = (14580, 14540)  # both grow with the instance
 API_REMOTE_LAST = 14549  # PX4 stops there
 CAMERA_PORT = 8090
-MAX_INSTANCE = 249  # MAV_SYS_ID ends at 250
 PARAMETER_PREFIX = "PX4_PARAM_"
 
 T = TypeVar("T")
@@ -42,6 +42,8 @@ class Options:
     files: Path | None
     gcs_ports: tuple[int, int]  # local, remote
     api_ports: tuple[int, int]
+    udp: Sequence[Address]  # of further links, which go out to there
+    tcp: Sequence[Address]  # where further links wait for a client
     camera_port: int
     verbosity: int  # -1 quiet, 0, 1 verbose
     parameters: Mapping[str, str]  # PX4_PARAM_<NAME>
@@ -86,6 +88,8 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
         gcs_ports=given.gcs_link or (GCS_PORTS[0] + instance, GCS_PORTS[1]),
         api_ports=given.api_link
         or (API_PORTS[0] + instance, min(API_PORTS[1] + instance, API_REMOTE_LAST)),
+        udp=tuple(given.udp),
+        tcp=tuple(given.tcp),
         camera_port=_first(given.camera_port, None, CAMERA_PORT + instance),
         verbosity=given.verbose - given.quiet,
         parameters={
@@ -105,13 +109,7 @@ def _parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     _add_world(parser)
-    running = parser.add_argument_group("time")
-    running.add_argument(
-        "--speed-factor", type=_speed, metavar="X", help="1: real time; 0: as fast as possible"
-    )
-    running.add_argument(
-        "--lockstep", action="store_true", help="wait for an answer to each camera frame"
-    )
+    _add_time(parser)
     _add_connections(parser)
     return parser
 
@@ -119,24 +117,27 @@ def _parser() -> argparse.ArgumentParser:
 def _add_world(parser: argparse.ArgumentParser) -> None:
     world = parser.add_argument_group("world")
     world.add_argument(
-        "--seed", type=_seed, default=0, metavar="N", help="of light, colours and sensors"
+        "--seed", type=values.seed, default=0, metavar="N", help="of light, colours and sensors"
     )
     world.add_argument(
-        "--track-seed", type=_seed, default=0, metavar="N", help="of the gates' places"
+        "--track-seed", type=values.seed, default=0, metavar="N", help="of the gates' places"
     )
     world.add_argument(
         "--noise",
-        type=_noise,
+        type=values.noise,
         default=NOISE,
         metavar="GRN,GHN",
         help="m, of the gates' radius and height (default 1.0,2.0)",
     )
     world.add_argument("--direction", choices=("cw", "ccw"), default="cw", help="seen from above")
     world.add_argument(
-        "--laps", type=_laps, default=1, metavar="N", help="rounds of the course (default 1)"
+        "--laps", type=values.laps, default=1, metavar="N", help="rounds of the course (default 1)"
     )
     world.add_argument(
-        "--home", type=_home, metavar="LAT,LON,ALT", help="deg, deg, m AMSL of the spawn point"
+        "--home",
+        type=values.home,
+        metavar="LAT,LON,ALT",
+        help="deg, deg, m AMSL of the spawn point",
     )
     world.add_argument("--gui", action="store_true", help="show the world in a window")
     world.add_argument(
@@ -144,16 +145,36 @@ def _add_world(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_time(parser: argparse.ArgumentParser) -> None:
+    running = parser.add_argument_group("time")
+    running.add_argument(
+        "--speed-factor",
+        type=values.speed,
+        metavar="X",
+        help="1: real time; 0: as fast as possible",
+    )
+    running.add_argument(
+        "--lockstep", action="store_true", help="wait for an answer to each camera frame"
+    )
+
+
 def _add_connections(parser: argparse.ArgumentParser) -> None:
     wire = parser.add_argument_group("wire")
     wire.add_argument(
-        "--instance", type=_instance, default=0, metavar="N", help="vehicle N + 1, own ports"
+        "--instance", type=values.instance, default=0, metavar="N", help="vehicle N + 1, own ports"
     )
     for name, whom in (("--gcs-link", "the ground station"), ("--api-link", "an offboard program")):
         wire.add_argument(
-            name, type=_ports, metavar="LOCAL:REMOTE", help=f"UDP ports of the link to {whom}"
+            name, type=values.ports, metavar="LOCAL:REMOTE", help=f"UDP ports of the link to {whom}"
         )
-    wire.add_argument("--camera-port", type=_port, metavar="P", help="HTTP port of the camera")
+    for name, metavar, text, read in (
+        ("--udp", "HOST:PORT", "a further link, out to there", values.address),
+        ("--tcp", "[HOST:]PORT", "a further link, for one client", values.listening_address),
+    ):
+        wire.add_argument(name, action="append", default=[], type=read, metavar=metavar, help=text)
+    wire.add_argument(
+        "--camera-port", type=values.port, metavar="P", help="HTTP port of the camera"
+    )
     wire.add_argument(
         "--signing-key", type=Path, metavar="FILE", help="heed only what is signed with this key"
     )
@@ -172,7 +193,7 @@ def _first(given: T | None, inherited: T | None, default: T) -> T:
 
 
 def _speed_from(environment: Mapping[str, str]) -> float | None:
-    return _from_environment(environment, "PX4_SIM_SPEED_FACTOR", _speed)
+    return _from_environment(environment, "PX4_SIM_SPEED_FACTOR", values.speed)
 
 
 def _home_from(environment: Mapping[str, str]) -> Vector3 | None:
@@ -182,7 +203,7 @@ def _home_from(environment: Mapping[str, str]) -> Vector3 | None:
     texts = [
         environment.get(name, str(fallback)) for name, fallback in zip(names, HOME, strict=True)
     ]
-    return _from_environment({"PX4_HOME_*": ",".join(texts)}, "PX4_HOME_*", _home)
+    return _from_environment({"PX4_HOME_*": ",".join(texts)}, "PX4_HOME_*", values.home)
 
 
 def _from_environment(
@@ -194,70 +215,3 @@ def _from_environment(
         return read(environment[name])
     except (argparse.ArgumentTypeError, ValueError) as error:
         raise UsageError(f"{name}: {error}") from None
-
-
-def _numbers(text: str, count: int, example: str) -> list[float]:
-    try:
-        numbers = [float(piece) for piece in text.split(",")]
-    except ValueError:
-        numbers = []
-    if len(numbers) != count or not all(math.isfinite(number) for number in numbers):
-        raise argparse.ArgumentTypeError(f"must be {count} numbers like {example}, got '{text}'")
-    return numbers
-
-
-def _noise(text: str) -> tuple[float, float]:
-    radius_m, height_m = _numbers(text, 2, "1.0,2.0")
-    if min(radius_m, height_m) < 0.0:
-        raise argparse.ArgumentTypeError(f"must not be negative, got '{text}'")
-    return radius_m, height_m
-
-
-def _home(text: str) -> Vector3:
-    latitude, longitude, altitude = _numbers(text, 3, "47.397742,8.545594,489.4")
-    if abs(latitude) > 89.0 or abs(longitude) > 180.0 or not -500.0 <= altitude <= 10_000.0:
-        raise argparse.ArgumentTypeError(
-            "latitude must be -89 to 89, longitude -180 to 180, altitude -500 to 10000, "
-            f"got '{text}'"
-        )
-    return latitude, longitude, altitude
-
-
-def _speed(text: str) -> float:
-    (factor,) = _numbers(text, 1, "1.0")
-    if not (factor == 0.0 or 0.01 <= factor <= 1000.0):
-        raise argparse.ArgumentTypeError(f"must be 0 or 0.01 to 1000, got '{text}'")
-    return factor
-
-
-def _integer(text: str, low: int, high: int) -> int:
-    try:
-        number = int(text)
-    except ValueError:
-        number = low - 1
-    if not low <= number <= high:
-        raise argparse.ArgumentTypeError(f"must be a whole number {low} to {high}, got '{text}'")
-    return number
-
-
-def _seed(text: str) -> int:
-    return _integer(text, 0, 2**63 - 1)
-
-
-def _laps(text: str) -> int:
-    return _integer(text, 1, 1000)
-
-
-def _instance(text: str) -> int:
-    return _integer(text, 0, MAX_INSTANCE)
-
-
-def _port(text: str) -> int:
-    return _integer(text, 0, 65535)
-
-
-def _ports(text: str) -> tuple[int, int]:
-    local, colon, remote = text.partition(":")
-    if not colon:
-        raise argparse.ArgumentTypeError(f"must be LOCAL:REMOTE like 18570:14550, got '{text}'")
-    return _port(local), _port(remote)

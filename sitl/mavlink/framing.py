@@ -18,7 +18,8 @@ HEADER = struct.Struct("<BBBBBBBHB")  # the 24-bit message id as 16 + 8
 CHECKSUM = struct.Struct("<H")
 SIGNED = 0x01  # the one incompatibility flag that is defined
 SIGNATURE_BYTES = 13
-MAX_BAD_FRAMES = 8  # in one datagram; what follows is dropped
+SHORTEST_BYTES = 8  # MAVLink 1 without payload
+MAX_BAD_FRAMES = 8  # in one datagram or piece; what follows is dropped
 
 
 class Packet(NamedTuple):
@@ -95,6 +96,28 @@ def split(datagram: bytes) -> list[Received]:
     return received
 
 
+def split_stream(data: bytes) -> tuple[list[Received], bytes]:
+    """Find the valid frames in a piece of a stream; what may be the beginning of one is left."""
+    received: list[Received] = []
+    position = bad = 0
+    while bad < MAX_BAD_FRAMES:
+        position = _next_magic(data, position)
+        if position < 0:
+            break
+        if len(data) - position < _frame_bytes(data, position):
+            return received, data[position:]
+        raw = _candidate(data, position)
+        item = _decode(raw) if raw is not None else None
+        if raw is None or item is None:
+            bad += 1
+            position += 1
+            continue
+        position += len(raw)
+        if not isinstance(item.message, mavlink.MAVLink_unknown):
+            received.append(item)
+    return received, b""
+
+
 def _next_magic(data: bytes, start: int) -> int:
     places = [p for p in (data.find(MAGIC_V2, start), data.find(MAGIC_V1, start)) if p >= 0]
     return min(places, default=-1)
@@ -102,16 +125,20 @@ def _next_magic(data: bytes, start: int) -> int:
 
 def _candidate(data: bytes, start: int) -> bytes | None:
     """Cut out the frame that would begin at `start`; None if it cannot be one."""
-    if len(data) - start < 8:
+    end = start + _frame_bytes(data, start)
+    is_v2 = data[start] == MAGIC_V2
+    if end > len(data) or (is_v2 and data[start + 2] & ~SIGNED):
         return None
+    return data[start:end]
+
+
+def _frame_bytes(data: bytes, start: int) -> int:
+    """Say how long the frame that would begin at `start` is, or at least is."""
+    if len(data) - start < SHORTEST_BYTES:
+        return SHORTEST_BYTES
     if data[start] == MAGIC_V1:
-        end = start + 8 + data[start + 1]
-    else:
-        flags = data[start + 2]
-        if flags & ~SIGNED:
-            return None
-        end = start + 12 + data[start + 1] + (SIGNATURE_BYTES if flags & SIGNED else 0)
-    return data[start:end] if end <= len(data) else None
+        return data[start + 1] + 8
+    return data[start + 1] + 12 + (SIGNATURE_BYTES if data[start + 2] & SIGNED else 0)
 
 
 def _decode(raw: bytes) -> Received | None:

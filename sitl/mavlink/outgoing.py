@@ -12,7 +12,7 @@ from sitl.mavlink.texts import TAB, statustexts
 from sitl.mavlink.view import View
 from sitl.records import StatusText
 
-PROFILES = (GROUND_STATION, OFFBOARD_API)  # by the link's index
+API_INDEX = 1  # the offboard API's link; all others are ground stations'
 
 
 class Port:
@@ -35,7 +35,10 @@ class Outgoing:
 
     def __init__(self, links: Sequence[Link]) -> None:
         self._links = links
-        self.streams = [StreamTable(PROFILES[link.index]) for link in links]
+        self.streams = [
+            StreamTable(OFFBOARD_API if link.index == API_INDEX else GROUND_STATION)
+            for link in links
+        ]
 
     def broadcast(self, message: Message, component: int = AUTOPILOT) -> None:
         """Send a message on every link."""

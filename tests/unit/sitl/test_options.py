@@ -35,6 +35,14 @@ def test_ports_can_be_chosen() -> None:
     assert options.camera_port == 0
 
 
+def test_further_links_can_be_named() -> None:
+    assert (given().udp, given().tcp) == ((), ())
+    options = given("--udp=127.0.0.1:14551", "--udp=host:14552", "--tcp=5760", "--tcp=0.0.0.0:5761")
+    assert options.udp == (("127.0.0.1", 14551), ("host", 14552))
+    assert options.tcp == (("127.0.0.1", 5760), ("0.0.0.0", 5761))  # noqa: S104  asked for
+    assert given("--tcp=:0").tcp == (("127.0.0.1", 0),)
+
+
 def test_the_command_line_goes_before_the_environment() -> None:
     assert given(PX4_SIM_SPEED_FACTOR="4").speed_factor == 4.0
     assert given("--speed-factor=0", PX4_SIM_SPEED_FACTOR="4").speed_factor == 0.0
@@ -74,6 +82,9 @@ def test_everything_can_be_said() -> None:
         ("--direction=up", ["--direction", "cw"]),
         ("--camera-port=70000", ["--camera-port", "65535"]),
         ("--gcs-link=14550", ["--gcs-link", "LOCAL:REMOTE"]),
+        ("--udp=14550", ["--udp", "HOST:PORT"]),
+        ("--udp=host:0", ["--udp", "1 to 65535"]),
+        ("--tcp=host:many", ["--tcp", "65535"]),
         ("--nonsense", ["--nonsense"]),
     ],
 )

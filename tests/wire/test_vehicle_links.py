@@ -1,0 +1,71 @@
+"""Further links of a vehicle process, and the way from one link to another."""
+
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+
+import pytest
+from pymavlink import mavutil
+from pymavlink.dialects.v20 import development as mavlink
+
+from tests.wire.vehicle_process import ROOT, Client, Vehicle
+
+pytestmark = pytest.mark.flight
+ONBOARD_CONTROLLER = 18
+
+
+def free_tcp_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@pytest.fixture
+def further() -> Iterator[Client]:
+    client = Client()
+    yield client
+    client.close()
+
+
+def test_four_links_speak_and_forward_to_each_other(further: Client) -> None:
+    tcp_port = free_tcp_port()
+    options = (f"--udp=127.0.0.1:{further.port}", f"--tcp={tcp_port}")
+    with Vehicle(*options) as vehicle:
+        vehicle.wait_until_up()
+        further.wait_for("HEARTBEAT")
+        tcp = mavutil.mavlink_connection(
+            f"tcp:127.0.0.1:{tcp_port}", source_system=77, dialect="development"
+        )
+        assert tcp.wait_heartbeat(timeout=10.0) is not None
+        tcp.mav.command_long_send(1, 1, 512, 0, 148, *[0.0] * 6)
+        assert tcp.recv_match(type="AUTOPILOT_VERSION", blocking=True, timeout=10.0) is not None
+        tcp.mav.heartbeat_send(ONBOARD_CONTROLLER, 8, 0, 0, 4)
+        for client in (vehicle.gcs, vehicle.api, further):
+            client.wait_for(lambda m: m.get_srcSystem() == 77, "the TCP client's HEARTBEAT")
+        further.send(mavlink.MAVLink_ping_message(1, 5, 77, 0))
+        assert tcp.recv_match(
+            type="PING", condition="PING.target_system==77", blocking=True, timeout=10.0
+        )
+        tcp.close()
+        code, said = vehicle.end(15)
+    assert code == 0
+    assert f"link 2 udp to 127.0.0.1:{further.port}, link 3 tcp {tcp_port}" in said
+
+
+def test_a_port_in_use_is_refused_in_one_line() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        run = subprocess.run(
+            [sys.executable, "-m", "sitl", "--gcs-link=0:9", "--api-link=0:9", f"--tcp={port}"],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+    assert run.returncode == 3
+    assert run.stderr.splitlines() == [
+        f"sitl: --tcp 127.0.0.1:{port}: is in use; choose another port"
+    ]
