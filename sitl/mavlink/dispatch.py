@@ -12,8 +12,8 @@ from sitl.mavlink.framing import Received
 from sitl.mavlink.ground_station import GroundStationWatch
 from sitl.mavlink.link import Link
 from sitl.mavlink.log_server import LogServer
-from sitl.mavlink.newer_messages import RequestEvent
 from sitl.mavlink.mission_server import MissionServer
+from sitl.mavlink.newer_messages import RequestEvent
 from sitl.mavlink.outgoing import Outgoing, Port
 from sitl.mavlink.parameter_server import ParameterServer
 from sitl.mavlink.referee_component import RefereeComponent

@@ -139,7 +139,8 @@ class Endpoint:
     def _publish_each_second(self, time_us: int) -> None:
         self._broadcast_component_heartbeats()
         self._storage.logs.flush()
-        self._outgoing.broadcast(self._servers.referee.score(), REFEREE)
+        for message in self._servers.referee.scores():
+            self._outgoing.broadcast(message, REFEREE)
         timeout_s = self._vehicle.parameters.get("COM_DL_LOSS_T")
         text = self._servers.ground_station.check(time_us, timeout_s)
         if text is not None:

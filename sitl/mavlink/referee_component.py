@@ -3,6 +3,9 @@
 A passed gate is its MISSION_ITEM_REACHED (seq counts from 0), the score its MISSION_CURRENT (seq:
 gates passed; total; state ACTIVE, COMPLETE at the end of the course, PAUSED once it is failed),
 and every event a STATUSTEXT. Where the gates stand can be downloaded as a mission of component 25.
+
+Some clients, MAVSDK is one, take the MISSION_CURRENT of any component for the autopilot's. So the
+referee keeps both messages to itself while the vehicle has a mission, except in OFFBOARD.
 """
 
 import math
@@ -14,6 +17,7 @@ from sitl.mavlink.health import component_heartbeat
 from sitl.mavlink.request import Request
 from sitl.mavlink.texts import statustexts
 from sitl.mavlink.vehicle import Vehicle
+from sitl.modes import Mode
 from sitl.records import CourseEvent, CourseEventKind, CourseState, CourseStatus, Gate
 
 WARNING, NOTICE, INFO = 4, 5, 6  # MAV_SEVERITY
@@ -48,11 +52,18 @@ class RefereeComponent:
         """Encode the score so far."""
         return encode_score(self._vehicle.course)
 
+    def scores(self) -> list[Message]:
+        """Encode the score for everybody; nothing where it could be taken for a mission's."""
+        return [] if self._yields_to_mission() else [self.score()]
+
     def events(self) -> list[Message]:
         """Encode what has happened since the last call; empty if nothing has."""
         events = self._vehicle.drain_course_events()
-        messages = [message for event in events for message in self._encode(event)]
-        return [*messages, self.score()] if messages else []
+        if not events:
+            return []
+        yields = self._yields_to_mission()
+        messages = [message for event in events for message in self._encode(event, silent=yields)]
+        return messages if yields else [*messages, self.score()]
 
     def handle(self, message: Message, request: Request) -> None:
         """Answer a command addressed to the referee."""
@@ -82,10 +93,16 @@ class RefereeComponent:
         is_next = is_due and course.state is CourseState.ACTIVE
         request.outlet.send(encode_gate(gates[message.seq], message.seq, request, is_next=is_next))
 
-    def _encode(self, event: CourseEvent) -> list[Message]:
+    def _yields_to_mission(self) -> bool:
+        autopilot = self._vehicle.autopilot
+        if autopilot.missions.progress.total == 0:
+            return False
+        return autopilot.status.intended_mode is not Mode.OFFBOARD
+
+    def _encode(self, event: CourseEvent, *, silent: bool) -> list[Message]:
         texts = statustexts(SEVERITIES[event.kind], event.text, self._texts)
         self._texts = (self._texts + 1) & 0xFFFF
-        if event.kind is CourseEventKind.PASSED:
+        if event.kind is CourseEventKind.PASSED and not silent:
             return [mavlink.MAVLink_mission_item_reached_message(event.gate), *texts]
         return texts
 

@@ -1,66 +1,28 @@
 """MAVSDK, written by others, finds the vehicle, flies a square with it in offboard, and lands."""
 
-import queue
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from operator import eq
 from pathlib import Path
 from typing import Any
 
 import pytest
-from mavsdk import ComponentType, Configuration, Mavsdk, System
+from mavsdk import System
 from mavsdk.plugins.action import Action
 from mavsdk.plugins.offboard import Offboard, VelocityBodyYawspeed
 from mavsdk.plugins.telemetry import FlightMode, LandedState, Telemetry
 
-from scripts.fly_course import API_PORT, free_instance
-from tests.flight.processes import process
+from tests.flight.mavsdk_vehicle import Latest, found_vehicle
 
 pytestmark = pytest.mark.flight
-SPEED_FACTOR = 5.0  # MAVSDK streams setpoints at 20 Hz of wall time: 4 Hz for the vehicle
 LEG_M = 3.0
-NEXT_S = 5.0  # telemetry comes many times a second
 ACROSS_M = 1.0  # how far a leg may stray sideways
-
-
-class Latest:
-    """Wait until a subscription delivers something that meets a condition."""
-
-    def __init__(self, subscribe: Callable[[Callable[[Any, Any], None]], Any]) -> None:
-        self._values: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        subscribe(lambda value, _: self._values.put(value))
-
-    def until(self, condition: Callable[[Any], bool], what: str, *, timeout_s: float) -> Any:
-        deadline_s = time.monotonic() + timeout_s
-        value = None
-        try:
-            while value is None or not condition(value):
-                value = self._values.get(timeout=max(0.0, deadline_s - time.monotonic()))
-        except queue.Empty:
-            raise AssertionError(f"{what}: not within {timeout_s:g} s, last {value}") from None
-        return value
-
-    def next(self) -> Any:
-        """What comes after this call; what came before is forgotten."""
-        while not self._values.empty():
-            self._values.get_nowait()
-        return self._values.get(timeout=NEXT_S)
 
 
 @pytest.fixture
 def system(tmp_path: Path) -> Iterator[System]:
-    options = ("--noise=0,0", f"--speed-factor={SPEED_FACTOR}")
-    with free_instance() as instance:
-        log = tmp_path / "vehicle.txt"
-        with process("sitl", f"--instance={instance}", *options, log=log):
-            kind = Configuration.create_with_component_type(ComponentType.GROUND_STATION)
-            with Mavsdk(kind) as mavsdk:
-                mavsdk.add_any_connection(f"udpin://127.0.0.1:{API_PORT + instance}")
-                found = mavsdk.first_autopilot(timeout_s=10.0)
-                assert found is not None, log.read_text()
-                yield found
-            kind.destroy()
+    with found_vehicle(tmp_path) as found:
+        yield found
 
 
 def test_flies_a_square_in_offboard_and_lands(system: System) -> None:

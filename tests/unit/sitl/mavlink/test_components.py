@@ -8,6 +8,8 @@ import pytest
 from sitl.mavlink.camera_component import CameraComponent, CameraFacts
 from sitl.mavlink.dialect import mavlink
 from sitl.mavlink.referee_component import RefereeComponent
+from sitl.mission_records import MissionProgress, MissionState
+from sitl.modes import Mode
 from sitl.records import CourseEvent, CourseEventKind, CourseState, CourseStatus, Frame
 from tests.unit.sitl.mavlink.fakes import FakeOutlet, FakeVehicle, make_request
 
@@ -85,6 +87,19 @@ def test_a_passed_gate_is_an_item_reached_a_text_and_a_new_score() -> None:
     assert (reached.get_type(), reached.seq) == ("MISSION_ITEM_REACHED", 2)
     assert (text.text, text.severity) == ("Passed gate 3 of 8", 6)
     assert (score.seq, score.total, score.mission_state) == (3, 8, 3)
+
+
+@pytest.mark.parametrize(("mode", "speaks"), [(Mode.MISSION, False), (Mode.OFFBOARD, True)])
+def test_nobody_takes_the_score_for_the_progress_of_a_mission(mode: Mode, speaks: bool) -> None:  # noqa: FBT001
+    vehicle = FakeVehicle()
+    referee = RefereeComponent(vehicle)
+    assert [m.get_type() for m in referee.scores()] == ["MISSION_CURRENT"]
+    vehicle.autopilot.missions.progress = MissionProgress(0, 3, MissionState.ACTIVE, speaks)
+    vehicle.autopilot.change(intended_mode=mode)
+    vehicle.events = [event(CourseEventKind.PASSED, 2, "Passed gate 3 of 8")]
+    scored = ["MISSION_ITEM_REACHED", "STATUSTEXT", "MISSION_CURRENT"]
+    assert [m.get_type() for m in referee.events()] == (scored if speaks else ["STATUSTEXT"])
+    assert len(referee.scores()) == int(speaks)
 
 
 @pytest.mark.parametrize(
