@@ -13,6 +13,7 @@ from tests.flight.processes import pair
 pytestmark = pytest.mark.flight
 CALM = ("--noise=0,0", "--laps=4")
 START_S = 60.0  # from the processes' start to the first gate
+LOST_S = 8.0  # 5 s on an idle machine: 3 s of silence, then the end of the process
 OFFBOARD_LOSS_S = 1.0  # PX4 COM_OF_LOSS_T
 CONTROL_TICK_S = 0.004
 LINK_BITS_S = 4e-6  # the tlog's times carry the link's number in their lowest bits
@@ -41,7 +42,7 @@ def test_companion_says_so_when_the_vehicle_is_killed(tmp_path: Path) -> None:
     with pair(tmp_path, *CALM) as flight, Observer(flight.instance) as observer:
         observer.wait_for_gate(0, timeout_s=START_S, running=flight.companion)
         flight.vehicle.send_signal(signal.SIGKILL)
-        assert flight.companion.wait(timeout=5.0) == 3
+        assert flight.companion.wait(timeout=LOST_S) == 3
     assert "vehicle lost" in flight.companion_output.read_text().lower()
     messages = tlogs.read(flight.companion_log)
     assert not tlogs.of_type(messages, "BAD_DATA")
