@@ -1,17 +1,21 @@
 """Forward messages of foreign components between the links, as PX4 does.
 
 What addresses nobody goes to every other link; what addresses a component goes where that
-component was seen. What addresses the vehicle stays. The table is bounded.
+component was seen. What addresses the vehicle stays. Each link has a table of its own, bounded: a
+flood of invented components can push out what was seen on its own link only, and that comes back
+with its next message.
 """
 
+from collections import OrderedDict
 from collections.abc import Sequence
 
 from sitl.mavlink.dialect import AUTOPILOT, CAMERA, REFEREE, mavlink
 from sitl.mavlink.framing import Received
 from sitl.mavlink.link import Link
 
-MAX_COMPONENTS = 32
+MAX_COMPONENTS = 32  # of each link
 OWN_COMPONENTS = {AUTOPILOT, REFEREE, CAMERA}
+Component = tuple[int, int]  # system, component
 NEVER = {mavlink.MAVLINK_MSG_ID_SETUP_SIGNING}
 
 
@@ -21,15 +25,15 @@ class Forwarder:
     def __init__(self, links: Sequence[Link], system: int) -> None:
         self._links = links
         self._system = system
-        self._seen: dict[tuple[int, int], int] = {}  # (system, component): link index
+        self._seen: dict[Link, OrderedDict[Component, None]] = {
+            link: OrderedDict() for link in links
+        }
 
     def forward(self, received: Received, source: Link) -> None:
         """Pass one message on."""
-        sender = (received.system, received.component)
         if received.system == self._system and received.component in OWN_COMPONENTS:
             return  # nobody else speaks in our name
-        if sender in self._seen or len(self._seen) < MAX_COMPONENTS:
-            self._seen[sender] = source.index
+        self._note(self._seen[source], (received.system, received.component))
         if received.message_id in NEVER:
             return
         for link in self._links:
@@ -43,7 +47,13 @@ class Forwarder:
             return True
         if system == self._system and component in OWN_COMPONENTS | {0}:
             return False
-        return any(
-            index == link.index and seen == system and component in (0, seen_component)
-            for (seen, seen_component), index in self._seen.items()
-        )
+        if component != 0:
+            return (system, component) in self._seen[link]
+        return any(seen == system for seen, _ in self._seen[link])
+
+    @staticmethod
+    def _note(seen: OrderedDict[Component, None], sender: Component) -> None:
+        seen[sender] = None
+        seen.move_to_end(sender)
+        if len(seen) > MAX_COMPONENTS:
+            seen.popitem(last=False)

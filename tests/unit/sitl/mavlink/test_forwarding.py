@@ -59,10 +59,10 @@ def test_a_key_never_leaves_its_link(pair: Pair) -> None:
     assert not pair.pass_on(key, 255, 190)
 
 
-def test_the_table_of_components_is_bounded_and_keeps_the_first(pair: Pair) -> None:
+def test_the_table_of_components_is_bounded_on_each_link_apart(pair: Pair) -> None:
     pair.pass_on(PING, 7, 7, source=1)
     for number in range(4 * MAX_COMPONENTS):
         pair.pass_on(PING, 10 + number // 200, 1 + number % 200)
-    assert len(pair.forwarder._seen) == MAX_COMPONENTS
+    assert len(pair.forwarder._seen[pair.links[0]]) == MAX_COMPONENTS
     question = mavlink.MAVLink_command_long_message(7, 7, 512, 0, *[0.0] * 7)
     assert pair.pass_on(question, 255, 190)
