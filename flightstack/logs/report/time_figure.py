@@ -85,7 +85,9 @@ def _choice_rows(flight: Flight) -> list[Row]:
             shown = {"showlegend": True, **style}
             chosen.append(line(x, member, name, colour, **shown))
         count = decisions.modes[:, index].astype(np.float64)
-        modes.append(line(x, count, name, colour, showlegend=not chosen, **style))
+        shift = 0.12 * (index - 1.5)  # so that equal counts stand beside each other
+        dots = line(x, count + shift, name, colour, showlegend=not chosen, legendgroup=name)
+        modes.append({**dots, "mode": "markers", "marker": {"size": 3, "color": colour}})
     rows = [Row(title="member", traces=chosen)] if chosen else []
     return [*rows, Row(title="modes", traces=modes)]
 
