@@ -6,14 +6,18 @@ The simulator has its own such file: shared code would let one sign error cancel
 import math
 
 
-def ned_from_body(vector_frd: tuple[float, float, float], yaw_rad: float) -> tuple[float, float, float]:
+def ned_from_body(
+    vector_frd: tuple[float, float, float], yaw_rad: float
+) -> tuple[float, float, float]:
     """Turn a yaw-aligned body vector (MAV_FRAME_BODY_NED) into NED by the heading alone."""
     cos_yaw, sin_yaw = math.cos(yaw_rad), math.sin(yaw_rad)
     x, y, z = vector_frd
     return (cos_yaw * x - sin_yaw * y, sin_yaw * x + cos_yaw * y, z)
 
 
-def body_from_ned(vector_ned: tuple[float, float, float], yaw_rad: float) -> tuple[float, float, float]:
+def body_from_ned(
+    vector_ned: tuple[float, float, float], yaw_rad: float
+) -> tuple[float, float, float]:
     """Turn a NED vector into the yaw-aligned body frame: the inverse of `ned_from_body`."""
     return ned_from_body(vector_ned, -yaw_rad)
 

@@ -6,9 +6,12 @@ import sys
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from flightstack.errors import FlightstackError
+
+if TYPE_CHECKING:
+    from flightstack.companion.flight import FlightPlan
 
 PROGRAM = "flightstack.companion"
 DEFAULT_PORT = "14540"  # PX4's port for companions
@@ -77,24 +80,12 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _fly(arguments: argparse.Namespace) -> int:
     # Here, not above: --help and a mistyped option must not wait for OpenCV and torch.
-    from flightstack.companion.flight import FlightPlan, fly  # noqa: PLC0415
+    from flightstack.companion.flight import fly  # noqa: PLC0415
     from flightstack.companion.loop import Pilot  # noqa: PLC0415
     from flightstack.companion.progress import Progress  # noqa: PLC0415
     from flightstack.companion.signals import ending_at_once  # noqa: PLC0415
-    from flightstack.mavlink.endpoint import parse_endpoint  # noqa: PLC0415
-    from flightstack.mavlink.signing import load_key  # noqa: PLC0415
 
-    plan = FlightPlan(
-        endpoint=parse_endpoint(arguments.connect or arguments.udp or DEFAULT_PORT),
-        log=arguments.log or _default_log(),
-        record_frames=arguments.record_frames,
-        camera=arguments.camera,
-        takeoff_altitude_m=arguments.takeoff_altitude,
-        duration_s=arguments.duration,
-        speed_scale=arguments.speed_scale,
-        timeout_s=arguments.timeout,
-        signing_key=None if arguments.signing_key is None else load_key(arguments.signing_key),
-    )
+    plan = _plan(arguments)
 
     def load_pilot() -> Pilot:
         from flightstack.companion.pipeline import load_pipeline  # noqa: PLC0415
@@ -116,6 +107,24 @@ def _fly(arguments: argparse.Namespace) -> int:
     else:
         print(summary.to_text(), flush=True)
     return summary.exit_code
+
+
+def _plan(arguments: argparse.Namespace) -> "FlightPlan":
+    from flightstack.companion.flight import FlightPlan  # noqa: PLC0415
+    from flightstack.mavlink.endpoint import parse_endpoint  # noqa: PLC0415
+    from flightstack.mavlink.signing import load_key  # noqa: PLC0415
+
+    return FlightPlan(
+        endpoint=parse_endpoint(arguments.connect or arguments.udp or DEFAULT_PORT),
+        log=arguments.log or _default_log(),
+        record_frames=arguments.record_frames,
+        camera=arguments.camera,
+        takeoff_altitude_m=arguments.takeoff_altitude,
+        duration_s=arguments.duration,
+        speed_scale=arguments.speed_scale,
+        timeout_s=arguments.timeout,
+        signing_key=None if arguments.signing_key is None else load_key(arguments.signing_key),
+    )
 
 
 def _strategy(arguments: argparse.Namespace) -> str:

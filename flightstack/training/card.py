@@ -20,16 +20,18 @@ POLICIES = {
     "deterministic": "one deterministic policy",
 }
 
-
-def model_card(config: ModelConfig, plan: ModelPlan, metrics: dict[str, Any]) -> str:
-    """Write the card by the Hugging Face convention: YAML front matter, then Markdown."""
-    samples = config.policy.members * config.perception.samples
-    return f"""---
+FRONT_MATTER = """---
 license: bsd-3-clause
 library_name: flightstack
 pipeline_tag: robotics
 tags: [uav, navigation, uncertainty, imitation-learning, cm-vae]
----
+---"""
+
+
+def model_card(config: ModelConfig, plan: ModelPlan, metrics: dict[str, Any]) -> str:
+    """Write the card by the Hugging Face convention: YAML front matter, then Markdown."""
+    samples = config.policy.members * config.perception.samples
+    return f"""{FRONT_MATTER}
 # {config.recipe}/{config.name}
 
 {ENCODERS[plan.encoder]}, and {POLICIES[plan.policy]}.
