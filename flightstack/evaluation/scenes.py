@@ -1,0 +1,139 @@
+"""Images that ought to raise doubt, each kind beside plain ones: what is ambiguous, or unseen.
+
+Plain scenes and their spoiled copies share gates, attitude and daylight, image by image, so that
+nothing but the spoiling tells them apart.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from flightstack.errors import UsageError
+from flightstack.training.gate_views import PARKED_NED, place
+from sitl.frames import quaternion_from_euler, wrap_pi
+from sitl.records import Gate, Quaternion, Vector3
+from sitl.sensors.camera import Camera
+from sitl.sensors.look import GROUND_TEXTURES, Colour, Look, draw_look
+
+PLAIN, DOUBLE_GATE, NO_GATE = "plain", "double gate", "no gate"
+FOG, BLUR = "fog", "blur"
+TILT_RAD = math.radians(8.0)  # +- roll and pitch, as in steady flight
+HEIGHT_M = (2.0, 4.0)
+RANGE_M = (2.0, 6.0)
+AZIMUTH_RAD, ELEVATION_RAD = math.radians(20.0), math.radians(12.0)  # +-
+APART_RAD = (math.radians(15.0), math.radians(28.0))  # of each of two gates from straight ahead
+GATE_YAW_STD_RAD = math.radians(20.0)
+FOG_CLEAR = (0.06, 0.25)  # of the contrast that is left; training has 0.6 and more at 14 m
+DARKNESS = (0.04, 0.15)  # of the daylight
+BLUR_STD_PX = (2.5, 4.0)  # training knows up to 1
+UNSEEN_GATES: tuple[Colour, ...] = ((0.1, 0.7, 0.2), (0.1, 0.3, 0.9), (0.9, 0.9, 0.9))
+
+Spoil = Callable[[np.random.Generator, Look], Look]
+
+
+def no_change(rng: np.random.Generator, look: Look) -> Look:  # noqa: ARG001
+    """Leave the day as it is."""
+    return look
+
+
+def darkness(rng: np.random.Generator, look: Look) -> Look:
+    """Let the night fall."""
+    share = float(rng.uniform(*DARKNESS))
+    return replace(
+        look,
+        cloudiness=look.cloudiness * share,
+        ambient=look.ambient * share,
+        diffuse=look.diffuse * share,
+        sky_zenith=_scaled(look.sky_zenith, share),
+        sky_horizon=_scaled(look.sky_horizon, share),
+        ground_light=_scaled(look.ground_light, share),
+        ground_dark=_scaled(look.ground_dark, share),
+    )
+
+
+def unseen_textures(rng: np.random.Generator, look: Look) -> Look:
+    """Paint gates and ground as training never does."""
+    light, dark = rng.uniform(0.3, 1.0, 3), rng.uniform(0.0, 0.3, 3)
+    return replace(
+        look,
+        gate_colour=UNSEEN_GATES[int(rng.integers(len(UNSEEN_GATES)))],
+        ground_texture=GROUND_TEXTURES + int(rng.integers(GROUND_TEXTURES)),
+        ground_scale_m=float(rng.uniform(1.0, 3.0)),
+        ground_light=(float(light[0]), float(light[1]), float(light[2])),
+        ground_dark=(float(dark[0]), float(dark[1]), float(dark[2])),
+    )
+
+
+SPOILS: dict[str, Spoil] = {
+    PLAIN: no_change,
+    DOUBLE_GATE: no_change,
+    NO_GATE: no_change,
+    FOG: no_change,  # of the image, as the next but one
+    "darkness": darkness,
+    BLUR: no_change,
+    "unseen textures": unseen_textures,
+}
+
+
+def render_scene(kind: str, count: int, *, seed: int) -> NDArray[np.uint8]:
+    """Render images (count, 64, 64, 3) of one kind of SPOILS; raises UsageError for another."""
+    if kind not in SPOILS:
+        raise UsageError(f"unknown scene {kind!r}: choose one of {', '.join(SPOILS)}")
+    parked = Gate(index=0, centre_ned=PARKED_NED, yaw_rad=0.0)
+    camera = Camera((parked, parked), draw_look(np.random.default_rng(0)))
+    try:
+        return np.stack([_render(camera, kind, [seed, k]) for k in range(count)])
+    finally:
+        camera.close()
+
+
+def _render(camera: Camera, kind: str, seeds: list[int]) -> NDArray[np.uint8]:
+    rng, spoiling = np.random.default_rng(seeds), np.random.default_rng([*seeds, 1])
+    position = (0.0, 0.0, -float(rng.uniform(*HEIGHT_M)))
+    roll, pitch = (float(rng.uniform(-TILT_RAD, TILT_RAD)) for _ in range(2))
+    heading = float(rng.uniform(-math.pi, math.pi))
+    attitude = quaternion_from_euler(roll, pitch, heading)
+    camera.set_look(SPOILS[kind](spoiling, draw_look(rng)))
+    camera.place_gates(_gates(rng, kind, position, attitude, heading))
+    image = camera.render(position, attitude)
+    if kind == FOG:
+        return _veil(image, camera.look, float(spoiling.uniform(*FOG_CLEAR)))
+    if kind == BLUR:
+        std_px = float(spoiling.uniform(*BLUR_STD_PX))
+        return np.asarray(cv2.GaussianBlur(image, (0, 0), std_px), dtype=np.uint8)
+    return image
+
+
+def _veil(image: NDArray[np.uint8], look: Look, clear: float) -> NDArray[np.uint8]:
+    """Let the horizon's colour cover all but a share `clear` of what is seen."""
+    fog = 255.0 * np.array(look.sky_horizon)
+    return np.asarray(np.rint(fog + (image - fog) * clear), dtype=np.uint8)
+
+
+def _gates(
+    rng: np.random.Generator, kind: str, position: Vector3, attitude: Quaternion, heading: float
+) -> tuple[Gate, Gate]:
+    """One gate ahead, two equally near on either side, or none."""
+    range_m, yaw = float(rng.uniform(*RANGE_M)), float(rng.normal(0.0, GATE_YAW_STD_RAD))
+    azimuth = float(rng.uniform(-AZIMUTH_RAD, AZIMUTH_RAD))
+    elevation = float(rng.uniform(-ELEVATION_RAD, ELEVATION_RAD))
+    parked = Gate(index=0, centre_ned=PARKED_NED, yaw_rad=0.0)
+
+    def gate(azimuth: float, yaw: float) -> Gate:
+        centre = place(position, attitude, range_m, azimuth, elevation)
+        return Gate(index=0, centre_ned=centre, yaw_rad=wrap_pi(heading + yaw))
+
+    if kind == NO_GATE:
+        return parked, parked
+    if kind == DOUBLE_GATE:
+        apart = float(rng.uniform(*APART_RAD))
+        return gate(-apart, -apart), gate(apart, apart)
+    return gate(azimuth, yaw), parked
+
+
+def _scaled(colour: Colour, share: float) -> Colour:
+    return (colour[0] * share, colour[1] * share, colour[2] * share)

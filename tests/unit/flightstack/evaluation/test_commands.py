@@ -1,0 +1,63 @@
+import json
+import subprocess
+import sys
+
+import cv2
+import numpy as np
+import pytest
+
+from flightstack.errors import UsageError
+from flightstack.evaluation.cli import COMMANDS, main
+from flightstack.evaluation.libraries import load_library
+from flightstack.evaluation.predicting import PARTS
+from flightstack.evaluation.scenes import SPOILS
+from flightstack.records import VELOCITIES
+
+
+def test_help_waits_for_no_torch():
+    code = (
+        "import sys; from flightstack.evaluation.cli import main\n"
+        "try: main(['offline', '--help'])\n"
+        "except SystemExit: pass\n"
+        "sys.exit('torch' in sys.modules or 'sklearn' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_unknown_model_is_one_line_and_exit_code_4(command, tmp_path, capsys):
+    assert main([command, "--model", "strong/m9", "--out", str(tmp_path / "out")]) == 4
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "unknown model 'strong/m9'" in error
+    assert not (tmp_path / "out").exists()
+
+
+def test_missing_library_names_the_extra():
+    with pytest.raises(UsageError, match=r"needs nothing_like_it: .*flightstack\[evaluation\]"):
+        load_library("nothing_like_it.at_all")
+
+
+def test_figures_draws_the_ambiguous_image(tmp_path):
+    assert main(["figures", "--out", str(tmp_path)]) == 0
+    picture = cv2.imread(str(tmp_path / "ambiguity.png"))
+    assert picture.shape[1] > picture.shape[0] > 500
+    assert picture.std() > 20.0
+
+
+def test_offline_writes_tables_json_and_pictures(tmp_path, capsys):
+    sizes = ["--images", "40", "--scene-images", "12"]
+    assert main(["offline", *sizes, "--out", str(tmp_path)]) == 0
+    shown = capsys.readouterr().out
+    assert "CRPS" in shown
+    assert "AUROC" in shown
+    (judged,) = json.loads((tmp_path / "offline.json").read_text())
+    assert set(judged["velocities"]) == set(VELOCITIES)
+    assert set(judged["auroc"]) == set(SPOILS) - {"plain"}
+    areas = [judged["auroc"][kind][part] for kind in judged["auroc"] for part in PARTS]
+    assert all(0.0 <= area <= 1.0 for area in areas)
+    assert judged["auroc"]["no gate"]["perceptual"] > 0.8
+    curve = judged["velocities"]["vx"]["calibration"]["covered"]
+    assert (np.diff(curve) >= 0.0).all()
+    for name in ("calibration.png", "auroc.png"):
+        assert cv2.imread(str(tmp_path / name)).std() > 10.0
