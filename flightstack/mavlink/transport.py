@@ -17,7 +17,7 @@ from flightstack.mavlink.framing import FrameSplitter, split_frames
 CONNECT_TIMEOUT_S = 5.0
 DATAGRAM_BYTES = 65535
 RECEIVE_BUFFER_BYTES = 1 << 20  # bridges the seconds in which a model is being loaded
-UNSENT_BYTES = 1 << 16  # a peer that takes nothing costs no more memory than this
+UNSENT_BYTES = 4096  # five answers to a frame: more would reach a slow peer too late to be of use
 
 Address = tuple[str, int]
 Received = tuple[list[bytes], Address | None]  # frames of one read, and who sent them
@@ -142,18 +142,25 @@ class StreamTransport:
         return [(self._splitter.split(data), None)]
 
     def send(self, frame: bytes, address: Address | None) -> bool:  # noqa: ARG002  (protocol)
-        """Send one frame; drop it where the other end has not taken the earlier ones."""
-        if len(self._unsent) < UNSENT_BYTES:
-            self._unsent += frame
+        """Send one frame; False where the other end has gone, or is too far behind to get it."""
+        self._flush()
+        if self.closed or len(self._unsent) + len(frame) > UNSENT_BYTES:
+            return False
+        self._unsent += frame
+        self._flush()
+        return not self.closed
+
+    def _flush(self) -> None:
+        if not self._unsent:
+            return
         try:
             written = os.write(self._owner.fileno(), self._unsent)
         except BlockingIOError:
-            return True
+            return
         except OSError:
             self.closed = True
-            return False
-        self._unsent = self._unsent[written:]
-        return True
+        else:
+            self._unsent = self._unsent[written:]
 
     def close(self) -> None:
         """Let go of the socket or device."""

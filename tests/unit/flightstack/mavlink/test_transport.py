@@ -9,10 +9,12 @@ import pytest
 
 from flightstack.errors import LinkError
 from flightstack.mavlink.endpoint import parse_endpoint
-from flightstack.mavlink.transport import Transport, UdpTransport, open_transport
+from flightstack.mavlink.framing import FrameSplitter
+from flightstack.mavlink.transport import UNSENT_BYTES, Transport, UdpTransport, open_transport
 from tests.unit.flightstack.mavlink.test_framing import heartbeat
 
 WAIT_S = 5.0
+TERMINAL_BYTES = 65536  # that the kernel keeps for a pseudo-terminal, at most
 
 
 def received(transport: Transport) -> list[bytes]:
@@ -88,6 +90,26 @@ def test_a_serial_line_carries_frames() -> None:
     assert received(transport) == [heartbeat(1)]
     transport.send(heartbeat(2), None)
     assert os.read(ours, 100) == heartbeat(2)
+    transport.close()
+    os.close(ours)
+    os.close(theirs)
+
+
+def test_a_slow_peer_misses_whole_frames_and_is_never_far_behind() -> None:
+    ours, theirs = os.openpty()
+    tty.setraw(ours)
+    os.set_blocking(ours, False)
+    transport = open_transport(parse_endpoint(os.ttyname(theirs)))
+    heard, taken, arrived = FrameSplitter(), [], []
+    for number in range(5000):
+        frame = heartbeat(number % 256, component=number // 256)
+        if transport.send(frame, None):
+            taken.append(frame)
+        if number % 50 == 49:  # it reads a tenth of what it is sent
+            arrived += heard.split(os.read(ours, 5 * len(frame)))
+    assert len(arrived) < len(taken) < 4000
+    assert arrived == taken[: len(arrived)]
+    assert sum(map(len, taken[len(arrived) :])) < TERMINAL_BYTES + UNSENT_BYTES
     transport.close()
     os.close(ours)
     os.close(theirs)
