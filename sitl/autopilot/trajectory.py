@@ -76,7 +76,7 @@ class Trajectory:
         dx, dy = x - north.position, y - east.position
         distance = math.hypot(dx, dy)
         ux, uy = (dx / distance, dy / distance) if distance > 1e-9 else (0.0, 0.0)
-        speed, slope = approach_speed(distance, cruise_m_s, agility)
+        speed, slope = speed_along_way(distance, cruise_m_s, agility)
         closing = ux * north.velocity + uy * east.velocity
         north.follow(ux * speed, -ux * closing * slope, agility)
         east.follow(uy * speed, -uy * closing * slope, agility)
@@ -112,6 +112,19 @@ class Trajectory:
     def acceleration(self) -> Vector3:
         """How it speeds up, m/s2."""
         return (self.north.acceleration, self.east.acceleration, self.down.acceleration)
+
+
+def speed_along_way(distance_m: float, speed_max: float, agility: Agility) -> tuple[float, float]:
+    """Give the horizontal speed at a distance from the place to stop at, and its slope over it.
+
+    The speed v from which PX4's motion planning brakes obeys v^2 + 4 v a^2 / j = 2 a d: it leaves
+    so much room for the jerk that the last metres take their time.
+    """
+    acceleration, jerk = agility
+    half = 2.0 * acceleration * acceleration / jerk
+    root = math.sqrt(half * half + 2.0 * acceleration * distance_m)
+    speed = root - half
+    return (speed, acceleration / root) if speed < speed_max else (speed_max, 0.0)
 
 
 def approach_speed(distance_m: float, speed_max: float, agility: Agility) -> tuple[float, float]:

@@ -27,7 +27,7 @@ from tests.unit.sitl.autopilot.mission_run import MissionRun
 ARM, SET_MODE, MISSION_START, PAUSE, GO_TO_ITEM, REPOSITION = 400, 176, 300, 193, 224, 192
 CHANGE_SPEED, GO_HOME = 178, 20
 ACCEPTED, REJECTED, DENIED = 0, 1, 2
-SQUARE = ((0.0, 0.0), (6.0, 0.0), (6.0, 6.0), (0.0, 6.0))
+SQUARE = ((6.0, 0.0), (6.0, 6.0), (0.0, 6.0), (0.0, 0.0))
 
 
 @pytest.fixture
@@ -36,7 +36,7 @@ def run(flight: Flight) -> MissionRun:
 
 
 def test_a_square_and_home_again(run: MissionRun) -> None:
-    waypoints = [place(WAYPOINT, *corner, 6.0, 0.0, 1.0) for corner in SQUARE]
+    waypoints = [place(WAYPOINT, *corner, 6.0, 0.5, 1.0) for corner in SQUARE]
     run.upload(*waypoints, deed(RETURN))
     run.flight.run(1.2)
     assert run.missions.progress == (0, 5, MissionState.NOT_STARTED, False)
@@ -47,7 +47,8 @@ def test_a_square_and_home_again(run: MissionRun) -> None:
         "6:Executing Mission",
         "6:Climb to 6.0 meters above home",
     ]
-    returns_s = run.run_until_reached(4, timeout_s=30.0)
+    returns_s = run.run_until_reached(4, timeout_s=40.0)
+    assert 24.0 < returns_s < 30.0  # a PX4 with more drag and noise was seen to take 27 to 29 s
     for (north, east), (item, _, where) in zip(SQUARE, run.reached[:4], strict=True):
         assert math.dist((north, east), where[:2]) < 1.0
         assert abs(where[2] + 6.0) < 0.8

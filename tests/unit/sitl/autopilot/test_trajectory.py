@@ -15,7 +15,7 @@ AGILITY = Agility(acceleration_m_s2=3.0, jerk_m_s3=4.0)
 def test_approach_arrives_without_overshoot(distance, cruise):
     trajectory = Trajectory(ZERO, ZERO, ZERO)
     furthest = fastest = 0.0
-    for _ in range(int((8.0 + 2.0 * distance / cruise) / TICK_S)):
+    for _ in range(int((10.0 + 2.0 * distance / cruise) / TICK_S)):
         trajectory.approach_xy(0.6 * distance, 0.8 * distance, cruise, AGILITY)
         x, y, _ = trajectory.position
         furthest = max(furthest, math.hypot(x, y))
