@@ -11,7 +11,9 @@ import numpy as np
 
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters
+from sitl.breakage import Breakage
 from sitl.clock import TICK_US, Schedule
+from sitl.failures import SENSORS, Failure, FailureType, FailureUnit
 from sitl.frames import quaternion_from_euler
 from sitl.records import (
     CourseEvent,
@@ -35,7 +37,7 @@ from sitl.world.world import World
 CAMERA_RATE_HZ = 20
 HOME = (47.397742, 8.545594, 489.4)  # deg, deg, m AMSL; PX4's default
 # These separate the uses of the vehicle's seed from each other.
-LOOK_STREAM, SENSOR_STREAM, ESTIMATE_STREAM = 0x100C, 0x5E45, 0xE571
+LOOK_STREAM, SENSOR_STREAM, ESTIMATE_STREAM, BREAKAGE_STREAM = 0x100C, 0x5E45, 0xE571, 0xB4EA
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,6 +89,7 @@ class Simulation:
         self._referee = Referee(self.course_gates, config.laps)
         self._sensors = Sensors([config.seed, SENSOR_STREAM], altitude_m=config.home[2])
         self._estimator = self._make_estimator()
+        self._breakage = Breakage(np.random.default_rng([config.seed, BREAKAGE_STREAM]))
         look = draw_look(np.random.default_rng([config.seed, LOOK_STREAM]))
         self._camera = Camera(self.track.gates, look)
         self._frames = Schedule(CAMERA_RATE_HZ)
@@ -106,7 +109,9 @@ class Simulation:
 
     def step(self) -> None:
         """Advance by one tick."""
-        motors = self.autopilot.step(self.estimate)
+        motors = self._breakage.drive(self.autopilot.step(self.estimate))
+        for failure in self.autopilot.drain_failures():
+            self._fail(failure)
         previous = self.state
         self.time_us += TICK_US
         self.state = self._world.step(motors, self.time_us)
@@ -127,14 +132,19 @@ class Simulation:
 
     def frame_due(self) -> bool:
         """Whether the camera takes an image at this tick; true once for each."""
-        return self._frames.due(self.time_us)
+        return self._frames.due(self.time_us) and self._breakage.takes_image(self.time_us)
+
+    @property
+    def is_silent(self) -> bool:
+        """Whether a failure keeps the vehicle from sending and hearing anything."""
+        return self._breakage.is_silent(self.time_us)
 
     def render(self) -> Frame:
         """Take an image now."""
         rgb = self._camera.render(self.state.position_ned, self.state.q_ned_frd)
         frame = Frame(time_us=self.time_us, sequence=self._sequence, rgb=rgb)
         self._sequence += 1
-        return frame
+        return self._breakage.picture(frame)
 
     def start_airborne(self, position_ned: Vector3, yaw_rad: float, speed_m_s: float = 0.0) -> None:
         """Put the vehicle into the air: armed, in OFFBOARD, flying straight ahead."""
@@ -149,6 +159,14 @@ class Simulation:
         self._estimator.align()
         self._sense()
         self.autopilot.start_airborne()
+
+    def _fail(self, failure: Failure) -> None:
+        if failure.unit in SENSORS:
+            self._sensors.fail(failure.unit, failure.type, self.time_us)
+        elif failure.unit is FailureUnit.BATTERY:
+            self._sensors.battery.is_dead = failure.type is not FailureType.OK
+        else:
+            self._breakage.fail(failure, self.time_us)
 
     def _sense(self) -> None:
         if self.parameters.version != self._parameters_version:

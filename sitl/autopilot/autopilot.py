@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from sitl.autopilot.cascade import Cascade, tilt_tan
 from sitl.autopilot.commander import INFO, Commander
 from sitl.autopilot.commands import Commands
+from sitl.autopilot.failure_commands import FailureCommands
 from sitl.autopilot.health_watch import HealthWatch
 from sitl.autopilot.home import Home
 from sitl.autopilot.land_detector import LandDetector
@@ -17,6 +18,7 @@ from sitl.autopilot.position_control import Limits
 from sitl.autopilot.report import report_setpoint, report_status
 from sitl.autopilot.setpoint import Setpoint, level
 from sitl.autopilot.takeoff import Stage, Takeoff
+from sitl.failures import Failure
 from sitl.frames import yaw_of
 from sitl.modes import Mode
 from sitl.records import NO_ESTIMATE, Estimate, MotorThrusts, StatusText, Vector3
@@ -61,7 +63,10 @@ class Autopilot:
         self._commander = Commander(parameters)
         self.missions = Missions(parameters, self._commander, home)
         self._navigator = Navigator(parameters, self.missions.flight)
-        self._commands = Commands(self._commander, self.missions, self._navigator, home)
+        self._failures = FailureCommands(parameters, self._commander)
+        self._commands = Commands(
+            self._commander, self.missions, self._navigator, self._failures, home
+        )
         self._offboard = OffboardStream(parameters)
         self._health = HealthWatch(parameters)
         self._takeoff = Takeoff(parameters)
@@ -125,6 +130,10 @@ class Autopilot:
     def drain_texts(self) -> list[StatusText]:
         """Take the texts that came up since the last call."""
         return self._health.drain_texts() + self._commander.drain_texts()
+
+    def drain_failures(self) -> list[Failure]:
+        """Take the failures that were asked for since the last call."""
+        return self._failures.drain()
 
     def ground_station_heard(self) -> None:
         """Note a ground station's heartbeat: its loss is a failsafe's matter."""

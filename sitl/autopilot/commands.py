@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Mapping
 
 from sitl.autopilot.commander import CRITICAL, INFO, Commander
+from sitl.autopilot.failure_commands import FailureCommands
 from sitl.autopilot.mission_commands import MissionCommands
 from sitl.autopilot.missions import Missions
 from sitl.autopilot.navigator import Goal, Navigator
@@ -34,7 +35,12 @@ class Commands:
     """Obeys commands; where a handler gives no result, PX4 stays silent."""
 
     def __init__(
-        self, commander: Commander, missions: Missions, navigator: Navigator, home: Vector3
+        self,
+        commander: Commander,
+        missions: Missions,
+        navigator: Navigator,
+        failures: FailureCommands,
+        home: Vector3,
     ) -> None:
         self._commander = commander
         self._missions = missions
@@ -51,6 +57,7 @@ class Commands:
             PREFLIGHT_REBOOT_SHUTDOWN: lambda _: DENIED,  # a process is restarted from outside
             COMPONENT_ARM_DISARM: self._arm_or_disarm,
             **MissionCommands(commander, missions, navigator).handlers,
+            **failures.handlers,
         }
 
     def handle(self, command: Command) -> CommandResult | None:

@@ -68,7 +68,7 @@ class LandDetector:
             thrust < self._low_thrust
             and (descending or self.ground_contact)
             and abs(vz) < self._climb_max
-            and vx * vx + vy * vy < self._speed_max**2
+            and (not estimate.position_valid or vx * vx + vy * vy < self._speed_max**2)
         )
 
     def _is_still(self, estimate: Estimate) -> bool:

@@ -92,6 +92,8 @@ class Endpoint:
         time_us = self._vehicle.time_us
         if self._log_looks.due(time_us):
             self._storage.logs.follow(armed=self._vehicle.autopilot.status.armed)
+        if self._vehicle.is_silent:
+            return
         self._outgoing.send_streams(time_us, self._view)
         self._send_texts()
         self._servers.missions.advance()
@@ -105,10 +107,14 @@ class Endpoint:
 
     def publish_trigger(self, frame: Frame) -> None:
         """Announce a camera frame, before its bytes go out."""
+        if self._vehicle.is_silent:
+            return
         self._outgoing.broadcast(self._servers.camera.trigger(frame), CAMERA)
 
     def repeat_heartbeats(self) -> None:
         """Send every component's HEARTBEAT again: the clock stands, but the vehicle is alive."""
+        if self._vehicle.is_silent:
+            return
         self._outgoing.broadcast(heartbeat_now(self._view()))
         self._broadcast_component_heartbeats()
 
@@ -122,6 +128,8 @@ class Endpoint:
         messages = link.receive()
         if messages is None:
             return False
+        if self._vehicle.is_silent:
+            return True
         for received in messages:
             self._forwarder.forward(received, link)
             self._dispatcher.handle(received, link)

@@ -121,6 +121,10 @@ class Vehicle(Protocol):
         """What the sensors read."""
 
     @property
+    def is_silent(self) -> bool:
+        """Whether a failure keeps it from sending and hearing anything."""
+
+    @property
     def autopilot(self) -> Autopilot:
         """Whoever flies it."""
 

@@ -181,6 +181,7 @@ class FakeVehicle:
 
     def __init__(self) -> None:
         self.time_us = 0
+        self.is_silent = False
         self.state = VehicleState(0, ZERO, ZERO, IDENTITY, ZERO, LEVEL_FORCE)
         self.estimate = Estimate(0, ZERO, ZERO, IDENTITY, ZERO, LEVEL_FORCE, *(True, True, True))
         self.readings = Readings(

@@ -1,0 +1,75 @@
+"""What is broken outside the sensors: motors, the radio, the camera."""
+
+import numpy as np
+
+from sitl.failures import SLOWER, Failure, FailureType, FailureUnit, is_gone
+from sitl.records import Frame, MotorThrusts
+
+ALL_MOTORS = range(4)
+
+
+class Breakage:
+    """Keeps what fails, and since when; without failures everything passes unchanged."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self._rng = rng
+        self._motors: dict[int, float] = {}  # the thrust at which each broken one stays
+        self._last: MotorThrusts = (0.0, 0.0, 0.0, 0.0)
+        self._signal: tuple[FailureType, int] | None = None  # and the time since when
+        self._camera: tuple[FailureType, int] | None = None
+        self._frames = 0
+        self._stuck: Frame | None = None
+
+    def fail(self, failure: Failure, time_us: int) -> None:
+        """Break something, or repair it."""
+        kind = None if failure.type is FailureType.OK else (failure.type, time_us)
+        if failure.unit is FailureUnit.MAVLINK_SIGNAL:
+            self._signal = kind
+        elif failure.unit is FailureUnit.CAMERA:
+            self._camera, self._stuck = kind, None
+        elif failure.unit is FailureUnit.MOTOR:
+            which = [failure.instance - 1] if failure.instance else ALL_MOTORS
+            for motor in which:
+                self._motors.pop(motor, None)
+                if kind is not None:
+                    is_off = failure.type is FailureType.OFF
+                    self._motors[motor] = 0.0 if is_off else self._last[motor]
+
+    def drive(self, motors: MotorThrusts) -> MotorThrusts:
+        """Give the thrusts that the motors follow."""
+        if self._motors:
+            a, b, c, d = (self._motors.get(n, thrust) for n, thrust in enumerate(motors))
+            motors = (a, b, c, d)
+        self._last = motors
+        return motors
+
+    def is_silent(self, time_us: int) -> bool:
+        """Whether the radio carries nothing, either way."""
+        if self._signal is None:
+            return False
+        kind, since_us = self._signal
+        return kind is FailureType.OFF or is_gone(since_us, time_us)
+
+    def takes_image(self, time_us: int) -> bool:
+        """Whether the camera gives the image that is due."""
+        if self._camera is None:
+            return True
+        kind, since_us = self._camera
+        self._frames += 1
+        if kind is FailureType.SLOW:
+            return self._frames % SLOWER == 0
+        if kind is FailureType.INTERMITTENT:
+            return not is_gone(since_us, time_us)
+        return kind is not FailureType.OFF
+
+    def picture(self, frame: Frame) -> Frame:
+        """Give the image as it leaves the camera."""
+        if self._camera is None:
+            return frame
+        rgb = frame.rgb
+        if self._camera[0] is FailureType.GARBAGE:
+            rgb = self._rng.integers(0, 256, rgb.shape, dtype=np.uint8)
+        elif self._camera[0] is FailureType.STUCK:
+            self._stuck = self._stuck or frame
+            rgb = self._stuck.rgb
+        return Frame(time_us=frame.time_us, sequence=frame.sequence, rgb=rgb)
