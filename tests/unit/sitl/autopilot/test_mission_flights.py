@@ -59,7 +59,7 @@ def test_a_square_and_home_again(run: MissionRun) -> None:
     landed_s = run.flight.run_until(
         lambda: not run.flight.autopilot.status.armed, timeout_s=returns_s + 20.0
     )
-    assert landed_s == pytest.approx(20.0, abs=3.0)  # a PX4 was seen to take 20 s
+    assert 15.0 < landed_s < 21.0  # a PX4 was seen to take 20 s
     assert math.hypot(*run.flight.estimate.position_ned[:2]) < 0.3
     assert run.flight.said[-2:] == ["6:Landing detected", "6:Disarmed by landing"]
 
