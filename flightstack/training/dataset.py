@@ -8,6 +8,7 @@ statistics of every label. The same seed and recipe give the same bytes, on any 
 
 import hashlib
 import json
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,16 @@ from numpy.typing import NDArray
 from flightstack.errors import UsageError
 
 MANIFEST = "manifest.json"
+MOST = {  # that a label can be, either way: beyond it the data are not what they claim
+    "range_m": 100.0,
+    "azimuth_rad": math.pi,
+    "elevation_rad": math.pi / 2,
+    "gate_yaw_rad": math.pi,
+    "vx": 20.0,  # m/s, as the next two
+    "vy": 20.0,
+    "vz": 20.0,
+    "yaw_rate": 2 * math.pi,  # rad/s
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,7 +179,8 @@ def read_dataset(folder: Path) -> Dataset:
     """Open a finished dataset.
 
     Raises:
-        UsageError: the folder holds none, a shard is cut short, or labels are not finite.
+        UsageError: the folder holds none, a shard is cut short, or labels are not finite or out of
+            range.
 
     """
     manifest_path = folder / MANIFEST
@@ -182,6 +194,7 @@ def read_dataset(folder: Path) -> Dataset:
     splits: dict[str, list[NDArray[np.int64]]] = {}
     start = 0
     for shard, images_part, labels_part in _read_shards(folder, manifest["shards"]):
+        _refuse_out_of_range(folder / shard.name, labels_part, manifest["label_names"])
         parts.append(images_part)
         labels.append(labels_part)
         splits.setdefault(shard.split, []).append(np.arange(start, start + shard.count))
@@ -246,6 +259,16 @@ def _read_shards(
         if not np.isfinite(labels).all():
             raise UsageError(f"{folder / name}: labels are not finite; make the data again")
         yield shard, images, labels
+
+
+def _refuse_out_of_range(path: Path, labels: NDArray[np.float32], names: list[str]) -> None:
+    for name, column in zip(names, labels.T, strict=True):
+        most = MOST.get(name, math.inf)
+        if (worst := float(np.abs(column).max(initial=0.0))) > most * (1.0 + 1e-6):
+            raise UsageError(
+                f"{path}: label {name} is out of range, {worst:.4g} where {most:.4g} is the most; "
+                "make the data again"
+            )
 
 
 def _read_sidecar(folder: Path, name: str) -> Shard:

@@ -63,6 +63,15 @@ def test_labels_that_are_not_finite_are_refused(folder):
         dataset.read_dataset(folder)
 
 
+def test_labels_out_of_range_are_named(folder):
+    path = folder / "train-00000-labels.npy"
+    labels = np.load(path)
+    labels[3, 1] = 57.0  # degrees, where radians are meant
+    np.save(path, labels)
+    with pytest.raises(UsageError, match="label azimuth_rad is out of range, 57 where 3.142"):
+        dataset.read_dataset(folder)
+
+
 def test_a_folder_without_data_says_how_to_make_some(tmp_path):
     with pytest.raises(UsageError, match="training data"):
         dataset.read_dataset(tmp_path)
