@@ -84,18 +84,18 @@ def _desaturate(
     base = [f - drop for f in lift]
     # Without airmode the thrust is never raised: roll and pitch shrink to what is left.
     for f, g in zip(base, tilt, strict=True):
-        room = 1.0 - f if g > 0.0 else f
+        room = max(0.0, 1.0 - f if g > 0.0 else f)
         if tilt_scale * abs(g) > room:
-            tilt_scale = max(room, 0.0) / abs(g)
+            tilt_scale = room / abs(g)
     level = [f + tilt_scale * g for f, g in zip(base, tilt, strict=True)]
     # Yaw last; a little thrust may be given up for it.
     drop = min(YAW_MARGIN, max(0.0, min(level)), _overflow(level, turn))
     level = [value - drop for value in level]
     yaw_scale = 1.0
     for value, g in zip(level, turn, strict=True):
-        room = 1.0 - value if g > 0.0 else value
+        room = max(0.0, 1.0 - value if g > 0.0 else value)
         if yaw_scale * abs(g) > room:
-            yaw_scale = max(room, 0.0) / abs(g)
+            yaw_scale = room / abs(g)
     a, b, c, d = (
         min(max(value + yaw_scale * g, 0.0), 1.0) for value, g in zip(level, turn, strict=True)
     )
