@@ -68,7 +68,7 @@ def test_labels_out_of_range_are_named(folder):
     labels = np.load(path)
     labels[3, 1] = 57.0  # degrees, where radians are meant
     np.save(path, labels)
-    with pytest.raises(UsageError, match="label azimuth_rad is out of range, 57 where 3.142"):
+    with pytest.raises(UsageError, match=r"label azimuth_rad is out of range, 57 where 3\.142"):
         dataset.read_dataset(folder)
 
 
