@@ -42,6 +42,27 @@ class OffboardSetpoint:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class AttitudeTarget:
+    """An offboard setpoint for the attitude, or for the body rates, with a thrust."""
+
+    time_us: int  # vehicle time of reception
+    q_ned_frd: Quaternion | None  # none: the rates alone count
+    rates_frd: Vector3  # rad/s; beside an attitude only the yaw rate counts, as feed-forward
+    thrust: float  # 0..1, collective
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sticks:
+    """The sticks' positions, -1..1."""
+
+    time_us: int  # vehicle time of reception
+    forward: float
+    right: float
+    up: float  # 0 holds the height
+    turn: float  # to the right
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SetpointEcho:
     """What the controller follows now: POSITION_TARGET_LOCAL_NED and ATTITUDE_TARGET."""
 

@@ -10,28 +10,32 @@ from sitl.autopilot.failure_commands import FailureCommands
 from sitl.autopilot.health_watch import HealthWatch
 from sitl.autopilot.home import Home
 from sitl.autopilot.land_detector import LandDetector
+from sitl.autopilot.manual import Manual
 from sitl.autopilot.missions import Missions
 from sitl.autopilot.navigator import Goal, Navigator
 from sitl.autopilot.offboard import OffboardStream
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.position_control import Limits
 from sitl.autopilot.report import report_setpoint, report_status
-from sitl.autopilot.setpoint import Setpoint, level
+from sitl.autopilot.setpoints import Setpoints
 from sitl.autopilot.takeoff import Stage, Takeoff
 from sitl.failures import Failure
 from sitl.frames import yaw_of
 from sitl.modes import Mode
 from sitl.records import NO_ESTIMATE, Estimate, MotorThrusts, StatusText, Vector3
 from sitl.vehicle_records import (
+    AttitudeTarget,
     Command,
     CommandResult,
     OffboardSetpoint,
     SetpointEcho,
+    Sticks,
     VehicleStatus,
 )
 
 ORIGIN: Vector3 = (0.0, 0.0, 0.0)
 IDLE_THRUST = 0.001  # what PX4 shows on the ground
+LIFT_THRUST = 0.05  # assumption: attitude setpoints below this leave the vehicle on the ground
 RAMP_THRUST = 0.001  # least thrust before flight: the ramp begins with none
 
 
@@ -68,6 +72,10 @@ class Autopilot:
             self._commander, self.missions, self._navigator, self._failures, home
         )
         self._offboard = OffboardStream(parameters)
+        self._manual = Manual(parameters)
+        self._setpoints = Setpoints(
+            self._commander, self.missions, self._navigator, self._offboard, self._manual
+        )
         self._health = HealthWatch(parameters)
         self._takeoff = Takeoff(parameters)
         self._land_detector = LandDetector(parameters)
@@ -125,7 +133,25 @@ class Autopilot:
     def offboard_setpoint(self, setpoint: OffboardSetpoint) -> None:
         """Take a setpoint of the offboard stream; OFFBOARD may be asked for right after it."""
         self._offboard.receive(setpoint)
-        self._commander.health = self._commander.health._replace(offboard_available=True)
+        self._commander.health = self._commander.health._replace(
+            offboard_available=True, offboard_by_attitude=False
+        )
+
+    def attitude_setpoint(self, setpoint: AttitudeTarget) -> None:
+        """Take a setpoint of the offboard stream that asks for an attitude or body rates."""
+        self._offboard.receive_attitude(setpoint)
+        self._commander.health = self._commander.health._replace(
+            offboard_available=True, offboard_by_attitude=True
+        )
+
+    def manual_control(self, sticks: Sticks) -> None:
+        """Take the sticks' positions, if COM_RC_IN_MODE wants them from MAVLink."""
+        links = self._health.links
+        if not links.takes_sticks:
+            return
+        links.sticks.heard(sticks.time_us)
+        self._manual.receive(sticks)
+        self._commander.health = self._commander.health._replace(sticks_available=True)
 
     def drain_texts(self) -> list[StatusText]:
         """Take the texts that came up since the last call."""
@@ -171,14 +197,17 @@ class Autopilot:
 
     def _fly(self, estimate: Estimate, *, landed: bool) -> MotorThrusts:
         """Fly the mode, or stand on the ground with the rotors turning."""
-        takeoff, mode, time_us = self._takeoff, self._commander.mode, estimate.time_us
-        down = estimate.position_ned[2]
-        climbs = mode is Mode.TAKEOFF or (
-            mode is Mode.OFFBOARD and self._offboard.wants_climb(time_us, down)
-        )
-        if mode is Mode.MISSION and takeoff.stage is not Stage.FLIGHT:
-            climbs = self.missions.flight.wants_climb(estimate, landed=landed)
-        stage = takeoff.update(time_us, armed=True, landed=landed, wants_climb=climbs)
+        takeoff, mode = self._takeoff, self._commander.mode
+        attitude = self._offboard.attitude if mode is Mode.OFFBOARD else None
+        if attitude is not None:
+            lifts = attitude.thrust > LIFT_THRUST
+            stage = takeoff.update_by_thrust(estimate.time_us, landed=landed, lifts=lifts)
+            if stage is Stage.FLIGHT:
+                return self._cascade.fly_attitude(estimate, attitude, landed=landed)
+            return self._cascade.idle(estimate, IDLE_THRUST)
+        flying = takeoff.stage is Stage.FLIGHT
+        climbs = self._setpoints.wants_climb(estimate, landed=landed, flying=flying)
+        stage = takeoff.update(estimate.time_us, armed=True, landed=landed, wants_climb=climbs)
         in_flight = stage is Stage.FLIGHT
         self._clear = in_flight and (self._clear or self._home_place.is_clear_of_ground(estimate))
         if not (in_flight or stage is Stage.RAMP_UP) or (
@@ -190,21 +219,8 @@ class Autopilot:
             automatic = mode in (Mode.TAKEOFF, Mode.MISSION)
             speed_up = self._takeoff_speed if automatic else limits.speed_up_m_s
             limits = self._ground_limits._replace(speed_up_m_s=takeoff.speed_limit(speed_up))
-        setpoint = self._setpoint(estimate, mode, in_flight=in_flight)
+        setpoint = self._setpoints.now(estimate, in_flight=in_flight)
         return self._cascade.fly(estimate, setpoint, limits, landed=landed, clear=self._clear)
-
-    def _setpoint(self, estimate: Estimate, mode: Mode, *, in_flight: bool) -> Setpoint:
-        if mode is Mode.OFFBOARD:
-            return self._offboard.setpoint(estimate.time_us, self.yaw_rad)
-        if not in_flight:
-            return self._navigator.wait(estimate)
-        setpoint = self._navigator.advance(estimate)
-        if self._navigator.takeoff_done(estimate):
-            self._navigator.hold_where_takeoff_leads()
-            self._commander.continue_as_hold()
-        if mode is Mode.MISSION and self.missions.flight.take_return():
-            self._commander.switch(Mode.RTL)
-        return setpoint if estimate.position_valid else level(setpoint)
 
     def _enter(self, estimate: Estimate) -> None:
         """Begin the commander's mode."""
@@ -241,7 +257,9 @@ class Autopilot:
 
     def _detect_landing(self, estimate: Estimate) -> bool:
         detector, asked, commander = self._land_detector, self._cascade.asked, self._commander
-        falls = commander.mode is Mode.TERMINATION
+        # Where thrust is asked for directly, only its size tells a descent.
+        by_thrust = commander.mode is Mode.OFFBOARD and self._offboard.by_attitude
+        falls = commander.mode is Mode.TERMINATION or by_thrust
         return detector.update(
             estimate,
             armed=commander.armed,
@@ -265,6 +283,7 @@ class Autopilot:
             self._navigator,
             self._offboard,
             self._health,
+            self._manual,
             self._takeoff,
             self._land_detector,
         ):

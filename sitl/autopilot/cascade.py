@@ -12,11 +12,12 @@ from sitl.autopilot.setpoint import IDLE, Setpoint
 from sitl.clock import SECOND_US, TICK_US
 from sitl.frames import quaternion_from_euler, yaw_of
 from sitl.records import Estimate, MotorThrusts, Vector3
-from sitl.vehicle_records import NAN_VECTOR
+from sitl.vehicle_records import NAN_VECTOR, AttitudeTarget
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
 STOPPED: MotorThrusts = (0.0, 0.0, 0.0, 0.0)
 TICK_S = TICK_US / SECOND_US
+DIRECT = Setpoint()  # nothing for the position controller
 
 
 class Cascade:
@@ -66,6 +67,22 @@ class Cascade:
         self.setpoint, self.asked = setpoint, asked
         return self._turn(estimate, asked, landed=landed)
 
+    def fly_attitude(
+        self, estimate: Estimate, target: AttitudeTarget, *, landed: bool
+    ) -> MotorThrusts:
+        """Follow an attitude or body rates, and a thrust, for one tick."""
+        self.position.reset()
+        self.setpoint = DIRECT
+        q = target.q_ned_frd or estimate.q_ned_frd
+        yaw, thrust = yaw_of(q), target.thrust
+        yaw_rate = target.rates_frd[2] if target.q_ned_frd else 0.0
+        nothing = NAN_VECTOR
+        self.asked = AttitudeSetpoint(q, thrust, yaw, yaw_rate, nothing, nothing)
+        if target.q_ned_frd is None:
+            self.rates_frd = target.rates_frd
+            return self._drive(estimate, thrust, landed=landed)
+        return self._turn(estimate, self.asked, landed=landed)
+
     def idle(self, estimate: Estimate, thrust: float) -> MotorThrusts:
         """Stay level on the ground with the rotors turning; the integrators start afresh."""
         yaw = yaw_of(estimate.q_ned_frd)
@@ -90,10 +107,14 @@ class Cascade:
     def _turn(self, estimate: Estimate, asked: AttitudeSetpoint, *, landed: bool) -> MotorThrusts:
         q = estimate.q_ned_frd
         self.rates_frd = self._attitude.update(q, asked.q_ned_frd, asked.yaw_rate_rad_s)
+        return self._drive(estimate, asked.thrust, landed=landed)
+
+    def _drive(self, estimate: Estimate, thrust: float, *, landed: bool) -> MotorThrusts:
+        """Turn the body rates asked for into motor thrusts."""
         torque = self._rate.update(
             estimate.rates_frd, self.rates_frd, TICK_S, saturated=self._saturated, landed=landed
         )
-        mixed = self._mixer.mix(torque, asked.thrust)
+        mixed = self._mixer.mix(torque, thrust)
         self._saturated = mixed.saturated
         self.motors = mixed.motors
         return mixed.motors

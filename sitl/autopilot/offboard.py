@@ -5,7 +5,7 @@ from math import isnan
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.setpoint import Setpoint
 from sitl.clock import SECOND_US
-from sitl.vehicle_records import OffboardSetpoint
+from sitl.vehicle_records import AttitudeTarget, OffboardSetpoint
 
 LAST_GOOD_US = 200_000  # PX4 keeps the last good setpoint this long before it stops
 STOP = Setpoint(velocity_ned=(0.0, 0.0, 0.0))
@@ -19,7 +19,7 @@ class OffboardStream:
         self._good = STOP
         self._stop_at_us: int | None = None  # where the newest can't be flown
         self._held_yaw_rad: float | None = None
-        self.by_attitude = False  # the newest asks for an attitude or rates, not for motion
+        self.attitude: AttitudeTarget | None = None  # the newest, if it asks for that
         self.load(parameters)
 
     def load(self, parameters: Parameters) -> None:
@@ -28,7 +28,7 @@ class OffboardStream:
 
     def receive(self, setpoint: OffboardSetpoint) -> None:
         """Take a setpoint in; a stream is alive even where one of them can't be flown."""
-        self._newest_us = setpoint.time_us
+        self._newest_us, self.attitude = setpoint.time_us, None
         if _is_complete(setpoint):
             self._stop_at_us = None
             self._good = Setpoint(
@@ -40,6 +40,16 @@ class OffboardStream:
             )
         elif self._stop_at_us is None:
             self._stop_at_us = setpoint.time_us + LAST_GOOD_US
+
+    def receive_attitude(self, setpoint: AttitudeTarget) -> None:
+        """Take a setpoint in that asks for an attitude or body rates instead of motion."""
+        self._newest_us, self.attitude = setpoint.time_us, setpoint
+        self._good, self._stop_at_us = STOP, None
+
+    @property
+    def by_attitude(self) -> bool:
+        """Whether the newest setpoint asks for an attitude or rates, which need no position."""
+        return self.attitude is not None
 
     def is_alive(self, time_us: int) -> bool:
         """Whether the newest setpoint is younger than COM_OF_LOSS_T."""

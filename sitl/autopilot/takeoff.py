@@ -60,6 +60,13 @@ class Takeoff:
             self.stage, self._since_us = stage, time_us
         return stage
 
+    def update_by_thrust(self, time_us: int, *, landed: bool, lifts: bool) -> Stage:
+        """Advance where thrust is asked for directly: there is nothing to ramp up."""
+        stage = self.update(time_us, armed=True, landed=landed and not lifts, wants_climb=lifts)
+        if stage is Stage.RAMP_UP:
+            self.stage, self._since_us = Stage.FLIGHT, time_us
+        return self.stage
+
     def speed_limit(self, speed_up_m_s: float) -> float:
         """Ramp the climb limit from the descent rate at which the velocity loop gives no thrust."""
         if self.stage is not Stage.RAMP_UP or self._ramp_us == 0:

@@ -62,8 +62,16 @@ class Dispatcher:
         self._system = system
         self._for_anybody: Mapping[int, Handler] = {
             mavlink.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED: self._on_setpoint,
+            mavlink.MAVLINK_MSG_ID_SET_POSITION_TARGET_GLOBAL_INT: self._on_setpoint,
+            mavlink.MAVLINK_MSG_ID_SET_ATTITUDE_TARGET: self._on_setpoint,
+            mavlink.MAVLINK_MSG_ID_MANUAL_CONTROL: self._on_sticks,
             mavlink.MAVLINK_MSG_ID_TIMESYNC: self._on_timesync,
             mavlink.MAVLINK_MSG_ID_PING: time_server.answer_ping,
+        }
+        self._take_setpoint = {
+            mavlink.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED: servers.setpoints.handle,
+            mavlink.MAVLINK_MSG_ID_SET_POSITION_TARGET_GLOBAL_INT: servers.setpoints.handle_global,
+            mavlink.MAVLINK_MSG_ID_SET_ATTITUDE_TARGET: servers.setpoints.handle_attitude,
         }
         self._for_us = self._addressed_handlers()
         self._for_referee: Mapping[int, Handler] = {
@@ -144,9 +152,13 @@ class Dispatcher:
     def _on_setpoint(self, message: Message, _request: Request) -> None:
         to_us = message.target_system in (0, self._system)
         if to_us and message.target_component in (0, AUTOPILOT):
-            text = self._servers.setpoints.handle(message)
+            text = self._take_setpoint[message.get_msgId()](message)
             if text is not None:
                 self._outgoing.say(text)
+
+    def _on_sticks(self, message: Message, _request: Request) -> None:
+        if message.target in (0, self._system):
+            self._servers.setpoints.handle_sticks(message)
 
     def _on_timesync(self, message: Message, request: Request) -> None:
         time_server.answer_timesync(message, request, self._vehicle.time_us)

@@ -13,10 +13,12 @@ from sitl.records import (
     VehicleState,
 )
 from sitl.vehicle_records import (
+    AttitudeTarget,
     Command,
     CommandResult,
     OffboardSetpoint,
     SetpointEcho,
+    Sticks,
     VehicleStatus,
 )
 
@@ -96,6 +98,12 @@ class Autopilot(Protocol):
 
     def companion_heard(self) -> None:
         """Note a companion computer's heartbeat."""
+
+    def attitude_setpoint(self, setpoint: AttitudeTarget) -> None:
+        """Take the newest offboard setpoint that asks for an attitude or rates."""
+
+    def manual_control(self, sticks: Sticks) -> None:
+        """Take the sticks' positions."""
 
     def drain_texts(self) -> list[StatusText]:
         """Hand over what it has said since the last call."""

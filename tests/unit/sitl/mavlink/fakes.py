@@ -32,10 +32,12 @@ from sitl.records import (
 from sitl.vehicle_records import (
     IDENTITY,
     NAN_VECTOR,
+    AttitudeTarget,
     Command,
     CommandResult,
     OffboardSetpoint,
     SetpointEcho,
+    Sticks,
     VehicleStatus,
 )
 
@@ -153,6 +155,8 @@ class FakeAutopilot:
     commands: list[Command] = field(default_factory=list)
     setpoints: list[OffboardSetpoint] = field(default_factory=list)
     texts: list[StatusText] = field(default_factory=list)
+    targets: list[AttitudeTarget] = field(default_factory=list)
+    sticks: list[Sticks] = field(default_factory=list)
     heard: list[str] = field(default_factory=list)
 
     def command(self, command: Command) -> CommandResult | None:
@@ -161,6 +165,12 @@ class FakeAutopilot:
 
     def offboard_setpoint(self, setpoint: OffboardSetpoint) -> None:
         self.setpoints.append(setpoint)
+
+    def attitude_setpoint(self, setpoint: AttitudeTarget) -> None:
+        self.targets.append(setpoint)
+
+    def manual_control(self, sticks: Sticks) -> None:
+        self.sticks.append(sticks)
 
     def ground_station_heard(self) -> None:
         self.heard.append("ground station")
