@@ -7,6 +7,7 @@ the link's silence tells. Opening one raises LinkError with the reason.
 import contextlib
 import errno
 import os
+import select
 import socket
 from typing import Protocol
 
@@ -132,6 +133,8 @@ class StreamTransport:
 
     def receive(self) -> list[Received]:
         """Return the frames that have arrived whole."""
+        if not select.select([self], [], [], 0)[0]:
+            return []  # a serial line would read as empty, like one that is gone
         try:
             data = os.read(self._owner.fileno(), DATAGRAM_BYTES)
         except BlockingIOError:

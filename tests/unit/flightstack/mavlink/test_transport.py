@@ -95,6 +95,23 @@ def test_a_serial_line_carries_frames() -> None:
     os.close(theirs)
 
 
+def test_a_serial_line_is_gone_when_its_other_end_is_not_when_nothing_comes() -> None:
+    ours, theirs = os.openpty()
+    tty.setraw(ours)
+    transport = open_transport(parse_endpoint(os.ttyname(theirs)))
+    assert transport.receive() == []
+    assert not transport.closed
+    os.write(ours, heartbeat(1))
+    assert received(transport) == [heartbeat(1)]
+    assert transport.receive() == []
+    assert not transport.closed
+    os.close(ours)
+    os.close(theirs)
+    assert received(transport) == []
+    assert transport.closed
+    transport.close()
+
+
 def test_a_slow_peer_misses_whole_frames_and_is_never_far_behind() -> None:
     ours, theirs = os.openpty()
     tty.setraw(ours)
