@@ -14,7 +14,7 @@ from flightstack.logs.course import CourseEvent
 from flightstack.logs.flight import Flight
 
 LOOK_BACK_S = 2.0
-MOST_MOMENTS = 10
+MOST_MOMENTS = 8
 
 Floats = NDArray[np.float64]
 

@@ -106,5 +106,5 @@ def test_the_page_says_what_happened(page: Any) -> None:
     assert "Why did it miss?" in text
     assert "Missed gate" in text
     assert page.find_elements("css selector", ".verdict.error")
-    assert len(page.find_elements("css selector", ".moment svg.dots")) == 10
+    assert len(page.find_elements("css selector", ".moment svg.dots")) == 8
     assert page.execute_script("return document.documentElement.scrollWidth") <= 1280

@@ -61,7 +61,8 @@ def story(facts: Facts) -> str:
     course = facts["course"]
     if course:
         end = f"; {course['text'][0].lower()}{course['text'][1:]}" if course["text"] else ""
-        parts.append(f"Passed {course['gates_passed']} gates{end}.")
+        gates = "gate" if course["gates_passed"] == 1 else "gates"
+        parts.append(f"Passed {course['gates_passed']} {gates}{end}.")
     if facts["failsafes"]:
         parts.append(f"In failsafe {len(facts['failsafes'])} times.")
     parts.append(f"At the end: {facts['ends']}.")

@@ -9,8 +9,8 @@ from flightstack.logs.decisions import ALL_MEMBERS, LINEAR, UNITS, VELOCITIES
 from flightstack.logs.report.plotting import PARTS, Floats
 from flightstack.logs.why import Failure, Moment
 
-DOTS_WIDTH, DOTS_ROW = 132, 22
-BAR_WIDTH = 132
+DOTS_WIDTH, DOTS_ROW = 128, 22
+BAR_WIDTH = 128
 
 
 def _ranges(moments: tuple[Moment, ...]) -> Floats:

@@ -124,7 +124,7 @@ def test_why_tells_the_moments_before_a_miss(log: Path, capsys: Capture) -> None
     frames.mkdir()
     assert main(["why", str(log), "--json"]) == 0
     moments = json.loads(capsys.readouterr().out)["moments"]
-    assert len(moments) == 10
+    assert len(moments) == 8
     stamp_us = moments[-1]["stamp_us"]
     (frames / f"{stamp_us:012d}.png").write_bytes(b"png")
     assert main(["why", str(log), "--json"]) == 0

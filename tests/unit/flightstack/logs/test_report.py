@@ -101,7 +101,7 @@ def test_recorded_frames_stand_in_the_strip(tmp_path: Path) -> None:
     for stamp_us in flight.decisions.stamp_us.tolist():
         (tmp_path / f"{stamp_us:012d}.png").write_bytes(png)
     page = own_part(make_page(flight, [], tmp_path))
-    assert page.count('src="data:image/png;base64,') == 10
+    assert page.count('src="data:image/png;base64,') == 8
 
 
 def test_gates_are_drawn_across_their_axis() -> None:
