@@ -73,7 +73,9 @@ class SetpointServer:
 
     def handle(self, message: Message) -> StatusText | None:
         """Take a SET_POSITION_TARGET_LOCAL_NED; the text says why it was refused."""
-        self._answered_us = message.time_boot_ms * 1000
+        answered_us = message.time_boot_ms * 1000
+        if answered_us <= self._vehicle.time_us:  # nobody has seen a frame that is yet to come
+            self._answered_us = max(self._answered_us, answered_us)
         autopilot = self._vehicle.autopilot
         setpoint = interpret(message, time_us=self._vehicle.time_us, yaw_rad=autopilot.yaw_rad)
         if isinstance(setpoint, StatusText):

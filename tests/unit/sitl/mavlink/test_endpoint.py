@@ -167,6 +167,7 @@ def test_setpoints_are_taken_by_their_target(
     target: tuple[int, int],
     taken: bool,  # noqa: FBT001
 ) -> None:
+    bench.vehicle.time_us = 40_000
     bench.api.send(
         mavlink.MAVLink_set_position_target_local_ned_message(40, *target, 8, 1479, *[0.0] * 11)
     )

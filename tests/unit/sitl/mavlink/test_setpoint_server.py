@@ -113,6 +113,7 @@ def test_a_body_setpoint_with_nan_forward_is_passed_on_without_horizontal_veloci
 
 def test_the_server_remembers_the_frame_that_is_answered_even_if_it_refuses() -> None:
     vehicle = FakeVehicle()
+    vehicle.time_us = 1_234_000
     server = SetpointServer(vehicle)
     assert server.take_answer() == -1
     assert server.handle(make(vx=1.0)) is None
@@ -122,3 +123,12 @@ def test_the_server_remembers_the_frame_that_is_answered_even_if_it_refuses() ->
     assert server.handle(make(12)) is not None
     assert len(vehicle.autopilot.setpoints) == 1
     assert server.take_answer() == 1_234_000
+
+
+def test_no_setpoint_answers_a_frame_that_is_yet_to_come() -> None:
+    vehicle = FakeVehicle()
+    vehicle.time_us = 1_232_000
+    server = SetpointServer(vehicle)
+    assert server.handle(make(vx=1.0)) is None
+    assert server.take_answer() == -1
+    assert len(vehicle.autopilot.setpoints) == 1

@@ -1,0 +1,303 @@
+"""Fly a course while hostile datagrams rain on the vehicle, and say what they did.
+
+    python scripts/bench/hostile.py [--datagrams 1000000] [--seed 0] [--signed] [--laps 3]
+
+Flies the same course in lockstep twice: undisturbed, then under attack on both links, again and
+again until all datagrams are delivered. With --signed, vehicle and companion share a key, and the
+datagrams may be anything, honest orders and replayed frames among them.
+"""
+
+import argparse
+import contextlib
+import json
+import os
+import secrets
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT))
+
+from scripts.bench.hostile_datagrams import Generator  # noqa: E402
+from scripts.fly_course import API_PORT, LAP_LIMIT_S, free_instance  # noqa: E402
+
+HOST = "127.0.0.1"
+VEHICLE_PORTS = (18570, 14580)  # + instance
+BATCH = 64
+MAX_QUEUE_BYTES = 300_000  # waiting at the vehicle: more, and the system would drop some
+OFFBOARD = 6 << 16
+HEARTBEAT, MISSION_CURRENT = 0, 42
+AUTOPILOT, REFEREE = 1, 25
+COMPLETE = 5  # MISSION_STATE
+LIMIT_S = 3600.0  # wall time
+
+
+@dataclass(slots=True)
+class Flight:
+    """What is known of one flight."""
+
+    result: dict[str, Any] = field(default_factory=dict)  # as the companion tells
+    delivered: int = 0
+    dropped: int = 0
+    modes: Counter[int] = field(default_factory=Counter)  # custom_mode of heartbeats under attack
+    rss_before_kb: int = 0
+    rss_after_kb: int = 0
+    vehicle_code: int | None = None
+    said: str = ""
+
+    @property
+    def refused(self) -> str:
+        """The vehicle's own count."""
+        lines = [line for line in self.said.splitlines() if "refused in all: " in line]
+        return lines[-1].partition("refused in all: ")[2] if lines else "nothing"
+
+
+class Observer:
+    """The ground station's end: follows mode and course, and remembers frames."""
+
+    def __init__(self) -> None:
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
+        self.socket.bind((HOST, 0))
+        self.socket.settimeout(0.0)
+        self.port: int = self.socket.getsockname()[1]
+        self.system = 1
+        self.mode = 0
+        self.is_over = False
+        self.is_partner = False
+
+    def look(self, generator: Generator, modes: Counter[int]) -> None:
+        """Read what has come in."""
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                data, vehicle = self.socket.recvfrom(4096)
+                if not self.is_partner:  # claim the link before anybody else does
+                    self.is_partner = True
+                    self.socket.sendto(generator.hello(), vehicle)
+                for raw in frames(data):
+                    self._note(raw, modes)
+                    generator.overhear(raw)
+
+    def _note(self, raw: bytes, modes: Counter[int]) -> None:
+        component, number = raw[6], int.from_bytes(raw[7:10], "little")
+        payload = raw[10 : 10 + raw[1]].ljust(64, b"\0")
+        if raw[5] != self.system or component not in (AUTOPILOT, REFEREE):
+            return
+        if component == AUTOPILOT and number == HEARTBEAT:
+            self.mode = int.from_bytes(payload[:4], "little")
+            modes[self.mode] += 1
+        elif component == REFEREE and number == MISSION_CURRENT:
+            self.is_over = payload[4] >= COMPLETE - 1
+
+
+def frames(datagram: bytes) -> Iterator[bytes]:
+    """Cut a datagram of the vehicle into its frames."""
+    position = 0
+    while position + 12 <= len(datagram) and datagram[position] == 0xFD:
+        size = datagram[position + 1] + 12 + 13 * (datagram[position + 2] & 1)
+        yield datagram[position : position + size]
+        position += size
+
+
+class Attack:
+    """Some senders that take turns, on both of the vehicle's links."""
+
+    def __init__(self, generator: Generator, instance: int) -> None:
+        self._datagrams = iter(generator)
+        self._sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(3)]
+        self._ports = [port + instance for port in VEHICLE_PORTS]
+        self._turn = 0
+        self.sent = 0
+
+    def close(self) -> None:
+        """Free the ports."""
+        for sender in self._sockets:
+            sender.close()
+
+    def send(self, count: int) -> None:
+        """Send so many, if the vehicle has room for them."""
+        queued, _ = self.queue()
+        if queued > MAX_QUEUE_BYTES:
+            time.sleep(0.001)
+            return
+        for _ in range(count):
+            self._turn += 1
+            sender = self._sockets[self._turn % len(self._sockets)]
+            port = self._ports[self._turn // 7 % len(self._ports)]
+            sender.sendto(next(self._datagrams), (HOST, port))
+        self.sent += count
+
+    def queue(self) -> tuple[int, int]:
+        """Say how many bytes wait at the vehicle's ports, at most, and what was dropped."""
+        waiting = dropped = 0
+        for line in Path("/proc/net/udp").read_text().splitlines()[1:]:
+            columns = line.split()
+            if int(columns[1].rpartition(":")[2], 16) in self._ports:
+                waiting = max(waiting, int(columns[4].rpartition(":")[2], 16))
+                dropped += int(columns[-1])
+        return waiting, dropped
+
+
+def fly(options: argparse.Namespace, count: int, seed: int, folder: Path) -> Flight:
+    """Fly once; under attack by up to `count` datagrams."""
+    flight, observer = Flight(), Observer()
+    key = (f"--signing-key={folder / 'key'}",) if options.signed else ()
+    with free_instance() as instance, contextlib.ExitStack() as stack:
+        observer.system = instance + 1
+        generator = Generator(seed, system=instance + 1, orders=options.signed)
+        said = stack.enter_context((folder / "vehicle.txt").open("w+"))
+        vehicle = stack.enter_context(started(vehicle_command(options, instance, observer), said))
+        output = stack.enter_context((folder / "companion.txt").open("w+"))
+        companion = stack.enter_context(
+            started([*companion_command(options, instance), *key], output)
+        )
+        attack = stack.enter_context(contextlib.closing(Attack(generator, instance)))
+        watch(flight, observer, attack, generator, (vehicle, companion), count)
+        vehicle.terminate()
+        flight.vehicle_code = vehicle.wait(30.0)
+        flight.said = (folder / "vehicle.txt").read_text()
+        last_line = (folder / "companion.txt").read_text().rstrip().rpartition("\n")[2]
+        flight.result = json.loads(last_line) if last_line.startswith("{") else {}
+    observer.socket.close()
+    return flight
+
+
+def watch(
+    flight: Flight,
+    observer: Observer,
+    attack: Attack,
+    generator: Generator,
+    processes: tuple[subprocess.Popen[str], subprocess.Popen[str]],
+    count: int,
+) -> None:
+    """Attack from OFFBOARD to the end of the course; then wait for the landing."""
+    vehicle, companion = processes
+    deadline_s = time.monotonic() + LIMIT_S
+    before: Counter[int] = Counter()
+    while companion.poll() is None and vehicle.poll() is None and time.monotonic() < deadline_s:
+        under_attack = flight.rss_before_kb > 0 and not observer.is_over
+        observer.look(generator, flight.modes if under_attack else before)
+        if observer.mode != OFFBOARD or observer.is_over or attack.sent >= count:
+            time.sleep(0.001)
+        else:
+            flight.rss_before_kb = flight.rss_before_kb or resident_kb(vehicle.pid)
+            attack.send(min(BATCH, count - attack.sent))
+            flight.rss_after_kb = resident_kb(vehicle.pid)
+    _, flight.dropped = attack.queue()
+    flight.delivered = attack.sent - flight.dropped
+
+
+def vehicle_command(options: argparse.Namespace, instance: int, observer: Observer) -> list[str]:
+    """Spell out the vehicle's process."""
+    key = [f"--signing-key={options.key}"] if options.signed else []
+    return [
+        *(sys.executable, "-m", "sitl", "--lockstep", "--speed-factor=0"),
+        *(f"--instance={instance}", f"--laps={options.laps}", f"--noise={options.noise}"),
+        *(f"--track-seed={options.track_seed}", *key),
+        f"--gcs-link={VEHICLE_PORTS[0] + instance}:{observer.port}",
+    ]
+
+
+def companion_command(options: argparse.Namespace, instance: int) -> list[str]:
+    """Spell out the companion's process."""
+    return [
+        *(sys.executable, "-m", "flightstack.companion", f"--udp={API_PORT + instance}"),
+        *(f"--duration={LAP_LIMIT_S * options.laps}", "--json", "-q"),
+        f"--log={options.log}",
+    ]
+
+
+@contextlib.contextmanager
+def started(command: list[str], output: Any) -> Iterator[subprocess.Popen[str]]:
+    """Run a process; on any way out, end it."""
+    environment = {"OMP_NUM_THREADS": "1"} | os.environ | {"PYTHONPATH": str(ROOT)}
+    process = subprocess.Popen(
+        command, env=environment, stdout=output, stderr=subprocess.STDOUT, text=True
+    )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+
+
+def resident_kb(pid: int) -> int:
+    """Say how much memory a process has."""
+    for line in Path(f"/proc/{pid}/status").read_text().splitlines():
+        if line.startswith("VmRSS:"):
+            return int(line.split()[1])
+    return 0
+
+
+def judge(flight: Flight, reference: Flight) -> list[str]:
+    """Say what the attack has done; empty if nothing."""
+    harm = []
+    if flight.vehicle_code != 0 or "Traceback" in flight.said:
+        harm.append(f"the vehicle ended with {flight.vehicle_code}")
+    if set(flight.modes) - {OFFBOARD}:
+        harm.append(f"modes {', '.join(map(hex, flight.modes))}")
+    for name in ("outcome", "gates_passed", "frames"):
+        if flight.result.get(name) != reference.result.get(name):
+            was, is_now = reference.result.get(name), flight.result.get(name)
+            harm.append(f"{name} {was} became {is_now}")
+    return harm
+
+
+def tell(name: str, flight: Flight, seconds: float) -> None:
+    """Print one flight."""
+    result = flight.result
+    print(f"{name}: {result.get('outcome')}, gates {result.get('gates_passed')}", end=" ")
+    print(f"of {result.get('gates_total')}, {result.get('frames')} frames, {seconds:.0f} s")
+    if flight.delivered:
+        growth = flight.rss_after_kb / flight.rss_before_kb - 1.0
+        print(f"  delivered {flight.delivered}, dropped by the system {flight.dropped}")
+        print(f"  modes seen {', '.join(f'{mode:#x}' for mode in flight.modes)}")
+        print(f"  resident memory {flight.rss_before_kb} kB -> {flight.rss_after_kb} kB", end=" ")
+        print(f"({growth:+.1%})")
+        print(f"  refused: {flight.refused}", flush=True)
+
+
+def parse_arguments(argv: list[str]) -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(prog="hostile.py", description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--datagrams", type=int, default=1_000_000)
+    parser.add_argument("--seed", type=int, default=0, help="of the datagrams")
+    parser.add_argument("--signed", action="store_true", help="with a key, against all orders")
+    parser.add_argument("--laps", type=int, default=3)
+    parser.add_argument("--track-seed", type=int, default=0)
+    parser.add_argument("--noise", default="1.0,2.0")
+    return parser.parse_args(argv)
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Fly undisturbed, then under attack; 1 if that made a difference."""
+    options = parse_arguments(sys.argv[1:] if argv is None else argv)
+    harm: list[str] = []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        options.key, options.log = folder / "key", folder / "companion.tlog"
+        options.key.write_text(secrets.token_hex(32))
+        started_s = time.monotonic()
+        reference = fly(options, 0, 0, folder)
+        tell("undisturbed", reference, time.monotonic() - started_s)
+        left, seed = options.datagrams, options.seed
+        while left > 0 and not harm:
+            started_s = time.monotonic()
+            flight = fly(options, left, seed, folder)
+            tell(f"under attack (seed {seed})", flight, time.monotonic() - started_s)
+            harm = judge(flight, reference)
+            left, seed = left - max(1, flight.delivered), seed + 1
+    print(f"harm: {'; '.join(harm) or 'none'}")
+    return 1 if harm else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
