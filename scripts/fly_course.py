@@ -152,7 +152,8 @@ def started(
 ) -> Iterator[Flight]:
     """Start both processes; on any way out, end them."""
     root = Path(__file__).resolve().parent.parent
-    environment = {"OMP_NUM_THREADS": "1"} | os.environ | {"PYTHONPATH": str(root)}
+    path = os.pathsep.join(filter(None, [str(root), os.environ.get("PYTHONPATH")]))
+    environment = {"OMP_NUM_THREADS": "1"} | os.environ | {"PYTHONPATH": path}
 
     def start(command: list[str], stdout: IO[str] | None = None) -> subprocess.Popen[str]:
         return subprocess.Popen(
