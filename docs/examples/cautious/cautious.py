@@ -50,7 +50,10 @@ class HumblePolicy:
     """The model's own predictions with twice their variance."""
 
     def __init__(self, *, model: Model, seed: int) -> None:  # noqa: ARG002  no chance in it
-        self._ensemble = PolicyEnsemble(model.policies, model.config.policy.velocity_range)
+        config = model.config.policy
+        self._ensemble = PolicyEnsemble(
+            model.policies, config.velocity_range, config.variance_factor
+        )
 
     def predict(self, z: NDArray[np.float32]) -> ActionSamples:
         """Map latents (M, Z) to means and variances (N, M, 4)."""
