@@ -45,7 +45,7 @@ class SetpointServer:
 
     def handle_global(self, message: Message) -> StatusText | None:
         """Take a SET_POSITION_TARGET_GLOBAL_INT addressed to us."""
-        self._answered_us = message.time_boot_ms * 1000
+        self._note_answer(message.time_boot_ms)
         autopilot = self._vehicle.autopilot
         status = autopilot.status
         setpoint = interpret_global(
@@ -58,7 +58,7 @@ class SetpointServer:
 
     def handle_attitude(self, message: Message) -> StatusText | None:
         """Take a SET_ATTITUDE_TARGET addressed to us."""
-        self._answered_us = message.time_boot_ms * 1000
+        self._note_answer(message.time_boot_ms)
         target = interpret_attitude(message, time_us=self._vehicle.time_us)
         if isinstance(target, StatusText):
             return target
@@ -73,15 +73,19 @@ class SetpointServer:
 
     def handle(self, message: Message) -> StatusText | None:
         """Take a SET_POSITION_TARGET_LOCAL_NED; the text says why it was refused."""
-        answered_us = message.time_boot_ms * 1000
-        if answered_us <= self._vehicle.time_us:  # nobody has seen a frame that is yet to come
-            self._answered_us = max(self._answered_us, answered_us)
+        self._note_answer(message.time_boot_ms)
         autopilot = self._vehicle.autopilot
         setpoint = interpret(message, time_us=self._vehicle.time_us, yaw_rad=autopilot.yaw_rad)
         if isinstance(setpoint, StatusText):
             return setpoint
         autopilot.offboard_setpoint(setpoint)
         return None
+
+    def _note_answer(self, time_boot_ms: int) -> None:
+        """Remember the frame that is answered; nobody has seen one that is yet to come."""
+        answered_us = time_boot_ms * 1000
+        if answered_us <= self._vehicle.time_us:
+            self._answered_us = max(self._answered_us, answered_us)
 
 
 def interpret(message: Message, *, time_us: int, yaw_rad: float) -> OffboardSetpoint | StatusText:

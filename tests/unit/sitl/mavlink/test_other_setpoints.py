@@ -119,6 +119,7 @@ def test_missing_or_absurd_sticks_count_as_none(axes: tuple[int, int, int, int])
 
 def test_the_server_passes_them_on_and_counts_them_as_answers() -> None:
     vehicle = FakeVehicle()
+    vehicle.time_us = 1_500_000
     server = SetpointServer(vehicle)
     message = mavlink.MAVLink_set_attitude_target_message(
         1500, 1, 1, ATTITUDE_ONLY, LEVEL, 0, 0, 0, 0.6
