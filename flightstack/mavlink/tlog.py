@@ -3,7 +3,8 @@
 A record is a big-endian 64-bit count of microseconds since 1970, then the frame as it was on the
 wire. Times are the wall time of the start plus the vehicle time since, so that rates in the log
 read right at any simulation speed. Only whole records reach the file, in one write each second:
-after a crash of the process the file ends at a record's end.
+after a crash of the process the file ends at a record's end. A long flight goes on in more files,
+flight.1.tlog after flight.tlog, each a log of its own.
 """
 
 import os
@@ -16,14 +17,24 @@ from flightstack.errors import UsageError
 
 FLUSH_S = 0.5  # wall time
 FLUSH_BYTES = 1 << 16
+MOST_BYTES = 256 << 20  # of one file: some three hours at 400 messages a second
 LINK_BITS = 0x3  # pymavlink reads a link number in the two lowest bits of the time
 
 
 class TlogWriter:
-    """One log file; when the disk refuses, `failure` says why and nothing more is written."""
+    """A log; when the disk refuses, `failure` says why and nothing more is written."""
 
-    def __init__(self, path: Path, wall_s: Callable[[], float] = time.monotonic) -> None:
-        self.path = path
+    def __init__(
+        self,
+        path: Path,
+        wall_s: Callable[[], float] = time.monotonic,
+        *,
+        most_bytes: int = MOST_BYTES,
+    ) -> None:
+        self.path = path  # of the first file
+        self._current = path
+        self._parts = 1
+        self._most_bytes = most_bytes
         self.failure: str | None = None
         self._wall_s = wall_s
         self._start_us = time.time_ns() // 1000
@@ -32,7 +43,7 @@ class TlogWriter:
         self._flushed_s = wall_s()
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
+            self._file = _create(path)
         except OSError as error:
             raise UsageError(
                 f"cannot write the log {path}: {error.strerror}; choose another --log"
@@ -62,10 +73,12 @@ class TlogWriter:
             while written < len(pending):
                 written += os.write(self._file, pending[written:])
         except OSError as error:
-            self.failure = f"the log {self.path} ends here: {error.strerror}"
+            self.failure = f"the log {self._current} ends here: {error.strerror}"
             self._cut_back()
-        else:
-            self._written += len(pending)
+            return
+        self._written += len(pending)
+        if self._written >= self._most_bytes:
+            self._go_on_in_next_file()
 
     def close(self) -> None:
         """Write what is pending and close; a log that holds nothing is removed."""
@@ -75,10 +88,25 @@ class TlogWriter:
         os.close(self._file)
         self._file = -1
         if self._written == 0 and self.failure is None:
-            self.path.unlink(missing_ok=True)
+            self._current.unlink(missing_ok=True)
+
+    def _go_on_in_next_file(self) -> None:
+        path = self.path.with_suffix(f".{self._parts}{self.path.suffix}")
+        try:
+            file = _create(path)
+        except OSError as error:
+            self.failure = f"the log {self._current} ends here: {path}: {error.strerror}"
+            return
+        os.close(self._file)
+        self._file, self._current, self._written = file, path, 0
+        self._parts += 1
 
     def _cut_back(self) -> None:
         try:
             os.ftruncate(self._file, self._written)
         except OSError:  # a device, not a file: there is nothing to cut
             return
+
+
+def _create(path: Path) -> int:
+    return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)

@@ -2,7 +2,8 @@
 
 A record is the time (big-endian, microseconds since 1970) and the raw frame. The two low bits of
 the time are the link's number, where pymavlink looks for it. Times are the wall clock at the
-start plus vehicle time, so that rates read right at any speed.
+start plus vehicle time, so that rates read right at any speed. A long flight goes on in further
+files, flight.1.tlog after flight.tlog, each a log of its own.
 """
 
 import logging
@@ -16,18 +17,26 @@ from sitl.errors import UsageError
 TIME = struct.Struct(">Q")
 LINK_BITS = 0b11
 BUFFER_BYTES = 1 << 16
+MOST_BYTES = 256 << 20  # of one file: some hour and a half of both links
 
 _log = logging.getLogger(__name__)
 
 
 class TlogWriter:
-    """One file; `flush` is the caller's duty, at least once a second.
+    """A log; `flush` is the caller's duty, at least once a second.
 
     When the file cannot be written any more (a full disk), this is reported once, the file ends
     with the last whole buffer, and the flight goes on unrecorded.
     """
 
-    def __init__(self, path: Path, *, unix_epoch_us: int, clock: Callable[[], int]) -> None:
+    def __init__(
+        self,
+        path: Path,
+        *,
+        unix_epoch_us: int,
+        clock: Callable[[], int],
+        most_bytes: int = MOST_BYTES,
+    ) -> None:
         """Create the file; `clock` gives vehicle time in us.
 
         Raises:
@@ -38,7 +47,9 @@ class TlogWriter:
             self._file = path.open("wb", buffering=0)
         except OSError as error:
             raise UsageError(f"--log {path}: {error.strerror}") from None
-        self._path = path
+        self._path = path  # of the first file
+        self._parts = 1
+        self._most_bytes = most_bytes
         self._unix_epoch_us = unix_epoch_us
         self._buffer = bytearray()
         self._written = 0  # bytes, all whole records
@@ -64,6 +75,8 @@ class TlogWriter:
             while rest:
                 rest = rest[self._file.write(rest) :]
             self._written += len(buffer)
+            if self._written >= self._most_bytes:
+                self._go_on_in_next_file()
         except OSError as error:
             self._give_up(error)
 
@@ -71,6 +84,13 @@ class TlogWriter:
         """Flush and close."""
         self.flush()
         self._file.close()
+
+    def _go_on_in_next_file(self) -> None:
+        path = self._path.with_suffix(f".{self._parts}{self._path.suffix}")
+        file = path.open("wb", buffering=0)
+        self._file.close()
+        self._file, self._written = file, 0
+        self._parts += 1
 
     def _give_up(self, error: OSError) -> None:
         self._failed = True

@@ -67,6 +67,30 @@ def test_makes_the_folder(tmp_path: Path) -> None:
     assert log.path.stat().st_size == RECORD_BYTES
 
 
+def test_a_long_log_goes_on_in_further_files(tmp_path: Path) -> None:
+    log = TlogWriter(tmp_path / "a.tlog", most_bytes=2 * RECORD_BYTES)
+    for _ in range(5):
+        log.append(0, FRAME)
+        log.flush()
+    log.close()
+    parts = [tmp_path / name for name in ("a.tlog", "a.1.tlog", "a.2.tlog")]
+    assert sorted(tmp_path.iterdir()) == sorted(parts)
+    assert [part.stat().st_size // RECORD_BYTES for part in parts] == [2, 2, 1]
+    assert log.failure is None
+
+
+def test_a_file_that_cannot_follow_ends_the_log(tmp_path: Path) -> None:
+    (tmp_path / "a.1.tlog").mkdir()
+    log = TlogWriter(tmp_path / "a.tlog", most_bytes=RECORD_BYTES)
+    for _ in range(3):
+        log.append(0, FRAME)
+        log.flush()
+    log.close()
+    assert log.failure is not None
+    assert "a.1.tlog: Is a directory" in log.failure
+    assert log.path.stat().st_size == RECORD_BYTES
+
+
 def test_leaves_no_empty_file(tmp_path: Path) -> None:
     log = TlogWriter(tmp_path / "a.tlog")
     log.close()

@@ -34,6 +34,33 @@ def test_pymavlink_reads_times_and_links_back(tmp_path: Path) -> None:
     assert [m.get_seq() for m in messages] == [0, 1, 2, 3, 4]
 
 
+def test_a_long_log_goes_on_in_further_files(tmp_path: Path) -> None:
+    raw = frame(pack(HEARTBEAT), sequence=0, system=1, component=1)
+    record = 8 + len(raw)
+    path = tmp_path / "flight.tlog"
+    writer = TlogWriter(path, unix_epoch_us=0, clock=lambda: 0, most_bytes=2 * record)
+    for _ in range(5):
+        writer.record(raw, link=0)
+        writer.flush()
+    writer.close()
+    parts = [tmp_path / name for name in ("flight.tlog", "flight.1.tlog", "flight.2.tlog")]
+    assert [part.stat().st_size // record for part in parts] == [2, 2, 1]
+
+
+def test_a_file_that_cannot_follow_ends_the_log(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    (tmp_path / "flight.1.tlog").mkdir()
+    path = tmp_path / "flight.tlog"
+    writer = TlogWriter(path, unix_epoch_us=0, clock=lambda: 0, most_bytes=1)
+    for _ in range(3):
+        writer.record(frame(pack(HEARTBEAT), sequence=0, system=1, component=1), link=0)
+        writer.flush()
+    writer.close()
+    assert caplog.text.count("ends here") == 1
+    assert path.stat().st_size > 0
+
+
 def test_a_path_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     path = tmp_path / "no" / "such" / "folder.tlog"
     with pytest.raises(UsageError, match=r"folder\.tlog"):
