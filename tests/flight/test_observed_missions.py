@@ -57,6 +57,12 @@ class Conversation:
         self.observer.send(mavlink.MAVLink_command_long_message(self.system, 1, number, 0, *filled))
 
 
+def is_ready(message: Any) -> bool:
+    if message.get_type() != "SYS_STATUS":
+        return False
+    return bool(message.onboard_control_sensors_health & mavlink.MAV_SYS_STATUS_PREARM_CHECK)
+
+
 @pytest.fixture
 def talk(tmp_path: Path) -> Iterator[Conversation]:
     with free_instance() as instance:
@@ -65,7 +71,7 @@ def talk(tmp_path: Path) -> Iterator[Conversation]:
             process("sitl", *options, log=tmp_path / "vehicle.txt"),
             Observer(instance) as observer,
         ):
-            observer.wait_for_text("Ready for takeoff", timeout_s=20.0)
+            observer.wait_for(is_ready, "readiness", timeout_s=20.0)
             yield Conversation(observer, system=instance + 1)
 
 
