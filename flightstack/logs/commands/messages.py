@@ -13,7 +13,7 @@ from flightstack.logs.summary import Facts
 
 def message_facts(log: Log) -> Iterator[Facts]:
     """Yield for every type and source how many, how often, from when to when."""
-    start_us = int(log.time_us[0])
+    start_us = int(log.time_us[0]) if len(log) else 0
     frames = log.frames
     key = frames.msgid.astype(np.int64) << 16
     key |= frames.system.astype(np.int64) << 8 | frames.component
