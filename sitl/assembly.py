@@ -13,6 +13,7 @@ from sitl.mavlink.link import Guard, Link
 from sitl.mavlink.storage import Storage
 from sitl.mavlink.tlog import TlogWriter
 from sitl.options import Options
+from sitl.parameter_file import ParameterFile
 from sitl.sensors.camera import FIELD_OF_VIEW_DEG, SIZE_PX
 from sitl.server import Server
 from sitl.simulation import CAMERA_RATE_HZ, Simulation, SimulationConfig
@@ -30,6 +31,7 @@ def assemble(
     """
     stream = stack.enter_context(closing(CameraStream(options.camera_port)))
     simulation = stack.enter_context(closing(_make_simulation(options)))
+    kept = _set_parameters(options, simulation.parameters)
     endpoint = Endpoint(
         simulation,
         links,
@@ -51,6 +53,9 @@ def assemble(
         lockstep=options.lockstep,
     )
     server.watch_refusals(guard.refusals)
+    if kept is not None:
+        server.each_second(kept.save)
+        stack.callback(kept.save)
     if options.log is not None:
         tlog = TlogWriter(
             options.log, unix_epoch_us=unix_epoch_us, clock=lambda: simulation.time_us
@@ -60,7 +65,7 @@ def assemble(
 
 
 def _make_simulation(options: Options) -> Simulation:
-    simulation = Simulation(
+    return Simulation(
         SimulationConfig(
             seed=options.seed,
             track_seed=options.track_seed,
@@ -72,10 +77,15 @@ def _make_simulation(options: Options) -> Simulation:
             perfect_estimate=options.perfect_estimate,
         )
     )
+
+
+def _set_parameters(options: Options, parameters: Parameters) -> ParameterFile | None:
+    """Take the kept parameters, then those of the environment."""
+    kept = None if options.params is None else ParameterFile(options.params, parameters)
     for name, text in options.parameters.items():
-        simulation.parameters.set_from_text(name, text)
-    simulation.parameters.set("MAV_SYS_ID", options.system)
-    return simulation
+        parameters.set_from_text(name, text)
+    parameters.set("MAV_SYS_ID", options.system)
+    return kept
 
 
 def _make_storage(

@@ -40,6 +40,7 @@ class Options:
     log: Path | None
     signing_key: Path | None
     files: Path | None
+    params: Path | None
     gcs_ports: tuple[int, int]  # local, remote
     api_ports: tuple[int, int]
     udp: Sequence[Address]  # of further links, which go out to there
@@ -85,6 +86,7 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
         log=given.log,
         signing_key=given.signing_key,
         files=given.files,
+        params=given.params,
         gcs_ports=given.gcs_link or (GCS_PORTS[0] + instance, GCS_PORTS[1]),
         api_ports=given.api_link
         or (API_PORTS[0] + instance, min(API_PORTS[1] + instance, API_REMOTE_LAST)),
@@ -180,6 +182,9 @@ def _add_connections(parser: argparse.ArgumentParser) -> None:
     )
     wire.add_argument(
         "--files", type=Path, metavar="DIR", help="folder of flight logs that may be fetched"
+    )
+    wire.add_argument(
+        "--params", type=Path, metavar="FILE", help="keep changed parameters, from run to run"
     )
     wire.add_argument("--log", type=Path, metavar="PATH", help="write all traffic as a tlog")
     wire.add_argument("-v", "--verbose", action="count", default=0, help="say more")

@@ -74,6 +74,7 @@ class Server:
         self._heartbeat_s = self._flush_s = clock()
         self._tlog: TlogWriter | None = None
         self._refusals = Refusals()
+        self._each_second: list[Callable[[], None]] = []
         self._stopping = False
         self._selector = selectors.DefaultSelector()
         for link in links:
@@ -89,6 +90,10 @@ class Server:
     def watch_refusals(self, refusals: Refusals) -> None:
         """Say now and then what was refused."""
         self._refusals = refusals
+
+    def each_second(self, deed: Callable[[], None]) -> None:
+        """Do something once a second of wall time."""
+        self._each_second.append(deed)
 
     def stop(self) -> None:
         """Let `run` return soon; may be called from a signal handler."""
@@ -184,5 +189,7 @@ class Server:
             return
         self._flush_s = now_s
         self._refusals.report(now_s)
+        for deed in self._each_second:
+            deed()
         if self._tlog is not None:
             self._tlog.flush()

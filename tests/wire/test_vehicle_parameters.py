@@ -1,7 +1,9 @@
 """The parameter protocol as a running PX4 speaks it."""
 
+import signal
 import struct
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -134,3 +136,18 @@ def test_a_value_that_cannot_be_is_answered_with_the_one_that_stays(vehicle: Veh
     for value in (float("nan"), float("inf"), -5.0):
         write(vehicle.gcs, "MPC_XY_VEL_MAX", value, REAL32)
         assert vehicle.gcs.wait_for("PARAM_VALUE").param_value == 12.0
+
+
+def test_changes_are_kept_from_run_to_run(tmp_path: Path) -> None:
+    options = ("-q", f"--params={tmp_path / 'vehicle.params'}")
+    with Vehicle(*options) as first:
+        first.wait_until_up()
+        write(first.api, "MPC_XY_CRUISE", 4.5, REAL32)
+        first.api.wait_for("PARAM_VALUE")
+        first.end(signal.SIGTERM)
+    environment = {"PX4_PARAM_COM_OBL_RC_ACT": "5"}
+    with Vehicle(*options, environment=environment) as second:
+        second.wait_until_up()
+        for name, value in (("MPC_XY_CRUISE", 4.5), ("COM_OBL_RC_ACT", 5)):
+            read(second.api, name)
+            assert value_of(second.api.wait_for("PARAM_VALUE")) == value

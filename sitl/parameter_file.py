@@ -1,0 +1,87 @@
+"""Keep the parameters that were changed in a file, in the form that ground stations save them in.
+
+A line is `system<TAB>component<TAB>name<TAB>value<TAB>type`; lines that begin with # are comments.
+"""
+
+import contextlib
+import logging
+import os
+from pathlib import Path
+
+from sitl.autopilot.parameters import Parameters
+from sitl.errors import UsageError
+
+HEADER = "# Parameters that differ from their defaults\n# Vehicle\tcomponent\tname\tvalue\ttype\n"
+FIELDS = 5
+OWN_OPTION = "MAV_SYS_ID"  # follows from the instance
+
+_log = logging.getLogger(__name__)
+
+
+class ParameterFile:
+    """Reads the file once, and writes it whenever there is something new to keep."""
+
+    def __init__(self, path: Path, parameters: Parameters) -> None:
+        """Load what the file holds; a file that isn't there yet is empty.
+
+        Names that this vehicle doesn't know are passed over: the file may be another vehicle's.
+
+        Raises:
+            UsageError: the file can't be read, a line has another form, or a value can't be.
+
+        """
+        self._path = path
+        self._parameters = parameters
+        self._load()
+        self._saved_version = parameters.version
+
+    def save(self) -> None:
+        """Write the file if a parameter has changed since; the old one is replaced as a whole."""
+        parameters = self._parameters
+        if parameters.version == self._saved_version:
+            return
+        self._saved_version = parameters.version
+        lines = [self._line(name) for name in parameters.names() if self._is_changed(name)]
+        draft = self._path.with_name(self._path.name + ".new")
+        try:
+            draft.write_text(HEADER + "".join(lines))
+            os.replace(draft, self._path)  # noqa: PTH105  atomic
+        except OSError as error:
+            _log.error("parameters not saved to %s: %s", self._path, error.strerror)
+            with contextlib.suppress(OSError):
+                draft.unlink(missing_ok=True)
+
+    def _load(self) -> None:
+        try:
+            text = self._path.read_text() if self._path.exists() else ""
+        except (OSError, UnicodeDecodeError) as error:
+            raise UsageError(f"--params: can't read {self._path}: {error}") from None
+        unknown = 0
+        for number, line in enumerate(text.splitlines(), 1):
+            if not line.strip() or line.startswith("#"):
+                continue
+            fields = line.split("\t")
+            if len(fields) != FIELDS:
+                raise UsageError(
+                    f"--params: {self._path} line {number}: expected {FIELDS} fields between tabs"
+                )
+            name, value = fields[2:4]
+            if name not in self._parameters:
+                unknown += 1
+                continue
+            try:
+                self._parameters.set_from_text(name, value)
+            except UsageError as error:
+                raise UsageError(f"--params: {self._path} line {number}: {error}") from None
+        if unknown:
+            _log.warning("%s: %d parameters that this vehicle has not", self._path, unknown)
+
+    def _is_changed(self, name: str) -> bool:
+        default = self._parameters.specification(name).default
+        return name != OWN_OPTION and self._parameters.get(name) != default
+
+    def _line(self, name: str) -> str:
+        parameters = self._parameters
+        system, component = parameters.get("MAV_SYS_ID"), parameters.get("MAV_COMP_ID")
+        kind = int(parameters.type_of(name))
+        return f"{system}\t{component}\t{name}\t{parameters.get(name)!r}\t{kind}\n"
