@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from pymavlink.dialects.v20 import common
 
+from flightstack.camera.camera import Camera, open_camera
 from flightstack.companion.loop import FrameQueue
 from flightstack.companion.vehicle import Vehicle
 from flightstack.companion.waiting import wait_for_any
@@ -46,6 +47,18 @@ def find_camera(vehicle: Vehicle, timeout_s: float) -> str:
     raise LinkError(
         f"the vehicle named no camera stream for {timeout_s:g} s; name one by --camera URI"
     )
+
+
+def wait_for_camera(vehicle: Vehicle, uri: str, timeout_s: float) -> Camera:
+    """Open a camera, which may start later than we; raises LinkError after `timeout_s`."""
+    deadline_s = time.monotonic() + timeout_s
+    while True:
+        try:
+            return open_camera(uri, vehicle.link.clock)
+        except LinkError:
+            if time.monotonic() >= deadline_s:
+                raise
+        _receive_until(vehicle, lambda: False, ASK_S)
 
 
 def wait_for_frame(vehicle: Vehicle, camera: FrameQueue, timeout_s: float, *, name: str) -> None:

@@ -6,10 +6,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from flightstack.camera.camera import open_camera
 from flightstack.camera.recorder import FrameRecorder, RecordedCamera
 from flightstack.clock import VehicleClock
-from flightstack.companion.discovery import find_camera, wait_for_frame, wait_for_vehicle
+from flightstack.companion.discovery import (
+    find_camera,
+    wait_for_camera,
+    wait_for_frame,
+    wait_for_vehicle,
+)
 from flightstack.companion.loop import FlightLoop, Pilot
 from flightstack.companion.mission_state import Outcome
 from flightstack.companion.progress import Progress
@@ -22,6 +26,8 @@ from flightstack.mavlink.link import Link
 from flightstack.mavlink.signing import Signing
 from flightstack.mavlink.tlog import TlogWriter
 from flightstack.mavlink.transport import open_transport
+
+CAMERA_OPENS_S = 5.0  # wall time: it may start when the vehicle does
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,12 +57,14 @@ def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], progress: Progress) -
         reporter.watch(tlog)
         recorder = _open_recorder(plan, reporter, stack)
         signing = None if plan.signing_key is None else Signing(plan.signing_key)
-        link = Link(open_transport(plan.endpoint), tlog, clock, signing=signing)
+        transport = open_transport(plan.endpoint)
+        link = Link(transport, tlog, clock, signing=signing)
         stack.callback(link.close)
         vehicle = Vehicle(link, plan.takeoff_altitude_m, publish_members=plan.record_frames)
         pilot = load_pilot()
+        transport.forget_backlog()
         uri = _find(vehicle, plan, progress)
-        camera = open_camera(uri, clock)
+        camera = wait_for_camera(vehicle, uri, min(plan.timeout_s, CAMERA_OPENS_S))
         stack.callback(camera.close)
         wait_for_frame(vehicle, camera, plan.timeout_s, name=uri)
         loop = FlightLoop(

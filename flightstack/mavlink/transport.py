@@ -35,6 +35,9 @@ class Transport(Protocol):
     def receive(self) -> list[Received]:
         """Return all that has arrived."""
 
+    def forget_backlog(self) -> None:
+        """Drop what has come while nobody read, where it may have holes."""
+
     def send(self, frame: bytes, address: Address | None) -> bool:
         """Send one frame, to `address` where we listen; False where there is nobody yet."""
 
@@ -93,6 +96,9 @@ class UdpTransport:
                 return received
             received.append((split_frames(datagram)[0], address))
 
+    def forget_backlog(self) -> None:
+        """Keep all: the receive buffer holds what a vehicle says in half a minute."""
+
     def send(self, frame: bytes, address: Address | None) -> bool:
         """Send one frame to the vehicle that has been heard, or to the one that was named."""
         target = address or self._peer
@@ -143,6 +149,12 @@ class StreamTransport:
             data = b""
         self.closed = self.closed or not data
         return [(self._splitter.split(data), None)]
+
+    def forget_backlog(self) -> None:
+        """Drop all that waits: a serial line keeps the first of it, and then has lost the rest."""
+        while any(frames for frames, _ in self.receive()):
+            continue
+        self._splitter = FrameSplitter()
 
     def send(self, frame: bytes, address: Address | None) -> bool:  # noqa: ARG002  (protocol)
         """Send one frame; False where the other end has gone, or is too far behind to get it."""

@@ -178,10 +178,7 @@ def test_a_second_signal_ends_at_once(tmp_path: Path) -> None:
 
 def test_any_camera_will_do(tmp_path: Path) -> None:
     video = tmp_path / "flight.avi"
-    writer = cv2.VideoWriter(str(video), cv2.VideoWriter.fourcc(*"MJPG"), 50.0, (64, 64))
-    for _ in range(500):
-        writer.write(np.full((64, 64, 3), (0, 0, 255), np.uint8))
-    writer.release()
+    write_video(video)
     script = Script(gates=None, has_camera=False)
     trial = Trial(tmp_path, script, camera=str(video), duration_s=2.0)
     summary = trial.fly()
@@ -190,6 +187,32 @@ def test_any_camera_will_do(tmp_path: Path) -> None:
     stamps_ms = [setpoint.time_boot_ms for setpoint in trial.vehicle.setpoints()]
     assert stamps_ms == sorted(stamps_ms)
     assert stamps_ms[-1] <= trial.vehicle.time_us / 1000 + 1000
+
+
+def test_a_camera_may_start_later_than_the_companion(tmp_path: Path) -> None:
+    video = tmp_path / "flight.avi"
+    script = Script(gates=None, has_camera=False)
+    trial = Trial(tmp_path, script, camera=str(video), duration_s=1.0)
+    starting = threading.Timer(0.7, write_video, args=(video,))
+    starting.start()
+    summary = trial.fly()
+    starting.join()
+    assert summary.outcome is Outcome.COMPLETED
+
+
+def test_a_camera_that_never_starts_is_told(tmp_path: Path) -> None:
+    script = Script(gates=None, has_camera=False)
+    with pytest.raises(LinkError, match=r"camera .*no-such\.avi cannot be reached"):
+        Trial(tmp_path, script, camera=str(tmp_path / "no-such.avi"), timeout_s=0.7).fly()
+
+
+def write_video(path: Path) -> None:
+    partial = path.with_suffix(".part.avi")
+    writer = cv2.VideoWriter(str(partial), cv2.VideoWriter.fourcc(*"MJPG"), 50.0, (64, 64))
+    for _ in range(500):
+        writer.write(np.full((64, 64, 3), (0, 0, 255), np.uint8))
+    writer.release()
+    partial.replace(path)
 
 
 def test_no_vehicle_is_told(tmp_path: Path) -> None:

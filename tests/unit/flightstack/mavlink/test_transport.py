@@ -112,6 +112,20 @@ def test_a_serial_line_is_gone_when_its_other_end_is_not_when_nothing_comes() ->
     transport.close()
 
 
+def test_a_serial_line_forgets_what_waited_for_too_long() -> None:
+    ours, theirs = os.openpty()
+    tty.setraw(ours)
+    transport = open_transport(parse_endpoint(os.ttyname(theirs)))
+    os.write(ours, heartbeat(1) * 100 + heartbeat(2)[:10])
+    assert select.select([transport], [], [], WAIT_S)[0]
+    transport.forget_backlog()
+    os.write(ours, heartbeat(3))
+    assert received(transport) == [heartbeat(3)]
+    transport.close()
+    os.close(ours)
+    os.close(theirs)
+
+
 def test_a_slow_peer_misses_whole_frames_and_is_never_far_behind() -> None:
     ours, theirs = os.openpty()
     tty.setraw(ours)
