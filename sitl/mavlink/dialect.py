@@ -12,5 +12,6 @@ Message: TypeAlias = Any  # a mavlink.MAVLink_*_message; pymavlink ships no type
 AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
 REFEREE = 25  # MAV_COMP_ID_USER1
 CAMERA = 100  # MAV_COMP_ID_CAMERA
+OWN_COMPONENTS = frozenset({AUTOPILOT, REFEREE, CAMERA})
 
-__all__ = ["AUTOPILOT", "CAMERA", "REFEREE", "Message", "mavlink"]
+__all__ = ["AUTOPILOT", "CAMERA", "OWN_COMPONENTS", "REFEREE", "Message", "mavlink"]

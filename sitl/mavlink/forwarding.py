@@ -9,12 +9,11 @@ with its next message.
 from collections import OrderedDict
 from collections.abc import Sequence
 
-from sitl.mavlink.dialect import AUTOPILOT, CAMERA, REFEREE, mavlink
+from sitl.mavlink.dialect import OWN_COMPONENTS, mavlink
 from sitl.mavlink.framing import Received
 from sitl.mavlink.link import Link
 
 MAX_COMPONENTS = 32  # of each link
-OWN_COMPONENTS = {AUTOPILOT, REFEREE, CAMERA}
 Component = tuple[int, int]  # system, component
 NEVER = {mavlink.MAVLINK_MSG_ID_SETUP_SIGNING}
 

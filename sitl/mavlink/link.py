@@ -8,9 +8,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from sitl.mavlink.dialect import AUTOPILOT, Message
+from sitl.mavlink.dialect import AUTOPILOT, OWN_COMPONENTS, Message
 from sitl.mavlink.framing import Packet, Received, frame, pack
-from sitl.mavlink.refusals import Refusals
+from sitl.mavlink.refusals import Refusal, Refusals
 from sitl.mavlink.signing import Signing
 
 LOOPBACK = "127.0.0.1"
@@ -130,10 +130,16 @@ class Link(ABC):
         return messages
 
     def _accepts(self, received: Received) -> bool:
-        refusal = self._guard.signing.judge(received)
+        signing = self._guard.signing
+        refusal = signing.judge(received)
+        if signing.is_on and self._is_own(received):
+            refusal = Refusal.OWN_NAME  # authentic even: our own frame, sent back to us
         if refusal is not None:
             self._guard.refusals.note([refusal])
         return refusal is None
+
+    def _is_own(self, received: Received) -> bool:
+        return received.system == self._system and received.component in OWN_COMPONENTS
 
     def _frame(self, packet: Packet, component: int) -> bytes:
         sequence = self._sequences.get(component, 0)

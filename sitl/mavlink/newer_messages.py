@@ -10,6 +10,7 @@ from typing import Any
 from pymavlink.dialects.v20 import development
 
 Message = Any  # pymavlink ships no types
+TEXT_BYTES = 100  # of the one text there is
 
 
 def _define(
@@ -44,7 +45,8 @@ def _define(
             "native_format": bytearray(re.sub(r"\d", "", layout).encode()),
             "orders": list(range(count)),
             "lengths": [1] * count,
-            "array_lengths": [0] * count,
+            "native_format": bytearray(layout.replace(f"{TEXT_BYTES}s", "c"), "ascii"),
+            "array_lengths": [0] * (count - has_text) + [TEXT_BYTES] * has_text,
             "crc_extra": crc_extra,
             "unpacker": struct.Struct(layout),
         },
@@ -54,7 +56,7 @@ def _define(
 
 
 ComponentMetadata = _define(
-    397, "COMPONENT_METADATA", 182, "<II100s", ("time_boot_ms", "file_crc", "uri")
+    397, "COMPONENT_METADATA", 182, f"<II{TEXT_BYTES}s", ("time_boot_ms", "file_crc", "uri")
 )
 CurrentEventSequence = _define(411, "CURRENT_EVENT_SEQUENCE", 106, "<HB", ("sequence", "flags"))
 RequestEvent = _define(

@@ -163,6 +163,17 @@ def test_an_unsigned_heartbeat_is_heard_but_makes_no_partner(bench: Bench) -> No
     stranger.socket.close()
 
 
+def test_the_vehicles_own_frames_sent_back_to_it_change_nothing(bench: Bench) -> None:
+    bench.endpoint.publish()
+    echo = bench.gcs.socket.recv(4096)
+    stranger = Client()
+    stranger.socket.sendto(echo, ("127.0.0.1", bench.gcs.link.local_port))
+    bench.handle()
+    assert bench.gcs.link.remote[1] == bench.gcs.port
+    assert set(bench.guard.refusals.totals) == {Refusal.OWN_NAME}
+    stranger.socket.close()
+
+
 def test_the_first_key_may_come_unsigned_and_later_ones_must_be_signed(open_bench: Bench) -> None:
     bench, gcs = open_bench, open_bench.gcs
     bench.hand_over(gcs, KEY)
