@@ -42,6 +42,7 @@ class Missions:
         self.flight.load(parameters)
         self.fence.load(parameters)
         self._rtl_type = int(parameters["RTL_TYPE"])
+        self._first_max_m = parameters["MIS_DIST_1WP"]
         self._judge_mission()
 
     def plan(self, kind: PlanKind) -> Plan:
@@ -131,19 +132,29 @@ class Missions:
         return False
 
     def _judge_mission(self) -> None:
-        """Look whether there is a mission, and the fence permits every place of it."""
+        """Look whether there is a mission, and one that may be flown."""
         plan = self._plans[PlanKind.MISSION]
-        outside = [
-            number
-            for number, item in enumerate(plan, 1)
-            if item.command in PLACES and not self.permits(self._place_of(item))
-        ]
-        if outside:
-            self._commander.say(CRITICAL, f"Geofence violation for waypoint {outside[0]}")
-        self.is_available = bool(plan) and not outside
+        objection = self._objection(plan)
+        if objection is not None:
+            self._commander.say(CRITICAL, objection)
+        self.is_available = bool(plan) and objection is None
         self._commander.health = self._commander.health._replace(
             mission_available=self.is_available
         )
+
+    def _objection(self, plan: Plan) -> str | None:
+        """Say what speaks against a mission: a place out of the fence, or a start far away."""
+        places = [
+            (n, self._place_of(item)) for n, item in enumerate(plan, 1) if item.command in PLACES
+        ]
+        for number, place in places:
+            if not self.permits(place):
+                return f"Geofence violation for waypoint {number}"
+        if places and self._first_max_m > 0.0:
+            away_m = math.dist(places[0][1][:2], self._position_ned[:2])
+            if away_m > self._first_max_m:  # NaN, the place left open, is here
+                return f"First waypoint too far away: {away_m:.0f}m, {self._first_max_m:.0f} max"
+        return None
 
     def _place_of(self, item: MissionItem) -> Vector3:
         x, y, z = ned_from_geodetic((item.latitude_deg, item.longitude_deg, item.z), self._origin)

@@ -99,6 +99,17 @@ def test_no_mission_no_start(run: MissionRun) -> None:
     assert run.state is MissionState.NO_MISSION
 
 
+def test_a_mission_does_not_begin_far_away(run: MissionRun) -> None:
+    run.in_air()
+    run.upload(place(WAYPOINT, 10_100.0, 0.0), place(WAYPOINT, 1.0, 0.0))
+    assert run.flight.command(MISSION_START, 0.0) == DENIED
+    run.step()
+    assert run.flight.said[0] == "2:First waypoint too far away: 10100m, 10000 max"
+    run.flight.parameters.set("MIS_DIST_1WP", -1.0)
+    run.step()
+    assert run.flight.command(MISSION_START, 0.0) == ACCEPTED
+
+
 def test_times_of_waiting(run: MissionRun) -> None:
     run.in_air()
     run.upload(
