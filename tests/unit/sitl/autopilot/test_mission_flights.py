@@ -1,18 +1,21 @@
 """Missions flown in process: where it goes, how long it takes, what it says."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
 from sitl.frames import yaw_of
 from sitl.mission_records import MissionState
 from sitl.modes import Mode
-from tests.unit.sitl.autopilot.conftest import NAN, Flight
+from tests.unit.sitl.autopilot.conftest import HOME, NAN, Flight
 from tests.unit.sitl.autopilot.made_plans import (
+    ABSOLUTE,
     DELAY,
     JUMP,
     LAND,
     LOITER_TIME,
+    LOITER_TO_ALTITUDE,
     LOITER_UNLIMITED,
     REGION_OF_INTEREST,
     RETURN,
@@ -214,6 +217,17 @@ def test_it_lands_where_the_mission_says_and_begins_anew(run: MissionRun) -> Non
     assert run.flight.command(MISSION_START, 0.0) == ACCEPTED
     run.step()
     assert run.missions.progress == (0, 2, MissionState.ACTIVE, True)
+
+
+@pytest.mark.parametrize("command", [WAYPOINT, LOITER_TO_ALTITUDE])
+def test_altitudes_above_mean_sea_level(run: MissionRun, command: int) -> None:
+    run.in_air()
+    above_sea = replace(place(command, 0.0, 0.0), frame=ABSOLUTE, z=HOME[2] + 9.0)
+    run.upload(above_sea)
+    run.go()
+    run.run_until_reached(0, timeout_s=8.0)
+    run.flight.run(4.0)
+    assert run.flight.height_m == pytest.approx(9.0, abs=0.2)
 
 
 def test_it_turns_to_the_heading_of_an_item(run: MissionRun) -> None:

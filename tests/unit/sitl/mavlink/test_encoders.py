@@ -210,6 +210,8 @@ def test_version_says_px4_and_what_it_can() -> None:
     assert version.flight_sw_version >> 16 >= 0x010F
     assert version.capabilities & mavlink.MAV_PROTOCOL_CAPABILITY_MISSION_INT
     assert version.capabilities & mavlink.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
+    assert version.capabilities & mavlink.MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
+    assert version.capabilities & mavlink.MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
     assert any(version.uid2)
 
 
