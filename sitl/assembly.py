@@ -17,6 +17,7 @@ from sitl.parameter_file import ParameterFile
 from sitl.sensors.camera import FIELD_OF_VIEW_DEG, SIZE_PX
 from sitl.server import Server
 from sitl.simulation import CAMERA_RATE_HZ, Simulation, SimulationConfig
+from sitl.video import VideoSender
 
 
 def assemble(
@@ -52,6 +53,9 @@ def assemble(
         speed_factor=options.speed_factor,
         lockstep=options.lockstep,
     )
+    if options.video is not None:
+        video = VideoSender(options.video, size_px=SIZE_PX, rate_hz=CAMERA_RATE_HZ)
+        server.send_video(stack.enter_context(closing(video)))
     server.watch_refusals(guard.refusals)
     if kept is not None:
         server.each_second(kept.save)

@@ -103,3 +103,11 @@ def listening_address(text: str) -> Address:
     """Read PORT, on the loopback interface, or HOST:PORT."""
     host, _, number = text.rpartition(":")
     return host or LOOPBACK, port(number)
+
+
+def video_address(text: str) -> Address:
+    """Read udp://HOST:PORT."""
+    scheme, separator, rest = text.partition("://")
+    if not separator or scheme != "udp":
+        raise argparse.ArgumentTypeError(f"must be like udp://{LOOPBACK}:5600, got '{text}'")
+    return address(rest)

@@ -46,6 +46,7 @@ class Options:
     udp: Sequence[Address]  # of further links, which go out to there
     tcp: Sequence[Address]  # where further links wait for a client
     camera_port: int
+    video: Address | None
     verbosity: int  # -1 quiet, 0, 1 verbose
     parameters: Mapping[str, str]  # PX4_PARAM_<NAME>
 
@@ -93,6 +94,7 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
         udp=tuple(given.udp),
         tcp=tuple(given.tcp),
         camera_port=_first(given.camera_port, None, CAMERA_PORT + instance),
+        video=given.video,
         verbosity=given.verbose - given.quiet,
         parameters={
             name.removeprefix(PARAMETER_PREFIX): value
@@ -176,6 +178,9 @@ def _add_connections(parser: argparse.ArgumentParser) -> None:
         wire.add_argument(name, action="append", default=[], type=read, metavar=metavar, help=text)
     wire.add_argument(
         "--camera-port", type=values.port, metavar="P", help="HTTP port of the camera"
+    )
+    wire.add_argument(
+        "--video", type=values.video_address, metavar="udp://HOST:PORT", help="send RTP H.264 there"
     )
     wire.add_argument(
         "--signing-key", type=Path, metavar="FILE", help="heed only what is signed with this key"

@@ -20,6 +20,7 @@ from sitl.mavlink.refusals import Refusals
 from sitl.mavlink.tlog import TlogWriter
 from sitl.pacing import Pace
 from sitl.records import Frame
+from sitl.video import VideoSender
 
 MAX_WAIT_S = 0.1  # so that a signal is soon seen
 STANDING_HEARTBEAT_S = 1.0  # wall time between heartbeats while vehicle time stands
@@ -73,6 +74,7 @@ class Server:
         self._was_free = True
         self._heartbeat_s = self._flush_s = clock()
         self._tlog: TlogWriter | None = None
+        self._video: VideoSender | None = None
         self._refusals = Refusals()
         self._each_second: list[Callable[[], None]] = []
         self._stopping = False
@@ -94,6 +96,10 @@ class Server:
     def each_second(self, deed: Callable[[], None]) -> None:
         """Do something once a second of wall time."""
         self._each_second.append(deed)
+
+    def send_video(self, video: VideoSender) -> None:
+        """Send every frame as video, too."""
+        self._video = video
 
     def stop(self) -> None:
         """Let `run` return soon; may be called from a signal handler."""
@@ -182,6 +188,8 @@ class Server:
             if self._lockstep is not None:
                 self._lockstep.frame_published(frame.time_us, self._heartbeat_s)
             self._stream.publish(frame)
+            if self._video is not None:
+                self._video.publish(frame)
 
     def _flush(self) -> None:
         now_s = self._clock()

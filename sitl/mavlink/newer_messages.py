@@ -3,7 +3,6 @@
 They are given to pymavlink's table, so that they are packed, read and forwarded like the others.
 """
 
-import re
 import struct
 from typing import Any
 
@@ -42,7 +41,6 @@ def _define(
             "fieldnames": list(fields),
             "ordered_fieldnames": list(fields),
             "fieldtypes": ["number"] * (count - has_text) + ["char"] * has_text,
-            "native_format": bytearray(re.sub(r"\d", "", layout).encode()),
             "orders": list(range(count)),
             "lengths": [1] * count,
             "native_format": bytearray(layout.replace(f"{TEXT_BYTES}s", "c"), "ascii"),

@@ -43,6 +43,11 @@ def test_further_links_can_be_named() -> None:
     assert given("--tcp=:0").tcp == (("127.0.0.1", 0),)
 
 
+def test_video_goes_where_it_is_asked_to() -> None:
+    assert given().video is None
+    assert given("--video=udp://127.0.0.1:5600").video == ("127.0.0.1", 5600)
+
+
 def test_the_command_line_goes_before_the_environment() -> None:
     assert given(PX4_SIM_SPEED_FACTOR="4").speed_factor == 4.0
     assert given("--speed-factor=0", PX4_SIM_SPEED_FACTOR="4").speed_factor == 0.0
@@ -85,6 +90,7 @@ def test_everything_can_be_said() -> None:
         ("--udp=14550", ["--udp", "HOST:PORT"]),
         ("--udp=host:0", ["--udp", "1 to 65535"]),
         ("--tcp=host:many", ["--tcp", "65535"]),
+        ("--video=127.0.0.1:5600", ["--video", "udp://"]),
         ("--nonsense", ["--nonsense"]),
     ],
 )
