@@ -35,6 +35,7 @@ class Missions:
         self._plans: dict[PlanKind, Plan] = dict.fromkeys(PlanKind, ())
         self._position_ned = self._home_ned = ORIGIN
         self._breach: str | None = None
+        self._objected: str | None = None  # against the mission; said once
         self.load(parameters)
 
     def load(self, parameters: Parameters) -> None:
@@ -64,6 +65,7 @@ class Missions:
         if kind is PlanKind.MISSION:
             self.flight.take(plan, current)
         if kind is not PlanKind.RALLY:
+            self._objected = None
             self._judge_mission()
         return MissionResult.ACCEPTED
 
@@ -135,8 +137,9 @@ class Missions:
         """Look whether there is a mission, and one that may be flown."""
         plan = self._plans[PlanKind.MISSION]
         objection = self._objection(plan)
-        if objection is not None:
+        if objection is not None and objection != self._objected:
             self._commander.say(CRITICAL, objection)
+        self._objected = objection
         self.is_available = bool(plan) and objection is None
         self._commander.health = self._commander.health._replace(
             mission_available=self.is_available
