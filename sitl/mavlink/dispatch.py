@@ -17,6 +17,7 @@ from sitl.mavlink.newer_messages import RequestEvent
 from sitl.mavlink.outgoing import Outgoing, Port
 from sitl.mavlink.parameter_server import ParameterServer
 from sitl.mavlink.referee_component import RefereeComponent
+from sitl.mavlink.refusals import Refusal, Refusals
 from sitl.mavlink.request import Request
 from sitl.mavlink.setpoint_server import SetpointServer
 from sitl.mavlink.signing_server import SigningServer
@@ -41,6 +42,7 @@ class Servers:
     signing: SigningServer
     files: FileServer
     logs: LogServer
+    refusals: Refusals
 
 
 class Dispatcher:
@@ -154,6 +156,7 @@ class Dispatcher:
         if to_us and message.target_component in (0, AUTOPILOT):
             text = self._take_setpoint[message.get_msgId()](message)
             if text is not None:
+                self._servers.refusals.note([Refusal.SETPOINT])
                 self._outgoing.say(text)
 
     def _on_sticks(self, message: Message, _request: Request) -> None:

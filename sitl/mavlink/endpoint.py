@@ -58,19 +58,10 @@ class Endpoint:
         self._once_a_second = Schedule(1)
         self._log_looks = Schedule(LOG_LOOK_HZ)
         self._published_us = vehicle.time_us
-        self._servers = Servers(
-            camera=CameraComponent(camera),
-            referee=RefereeComponent(vehicle),
-            commands=CommandServer(vehicle, system, self._storage.metadata),
-            missions=MissionServer(vehicle, self._outgoing.broadcast, self._outgoing.say),
-            parameters=ParameterServer(vehicle.parameters, self._outgoing.broadcast_packet),
-            setpoints=SetpointServer(vehicle),
-            ground_station=GroundStationWatch(),
-            signing=SigningServer(vehicle, guard),
-            files=FileServer(self._storage.files, lambda: vehicle.time_us, guard.refusals),
-            logs=LogServer(self._storage.logs, guard.refusals),
-        )
-        ports = {(link.index, c): Port(link, c) for link in links for c in COMPONENTS}
+        self._servers = self._make_servers(system, camera, guard)
+        ports = {
+            (link.index, c): Port(link, c, guard.refusals) for link in links for c in COMPONENTS
+        }
         self._dispatcher = Dispatcher(vehicle, self._servers, self._outgoing, ports, system=system)
 
     def take_answer(self) -> int:
@@ -136,6 +127,24 @@ class Endpoint:
         if messages:
             self._send_texts()
         return True
+
+    def _make_servers(self, system: int, camera: CameraFacts, guard: Guard) -> Servers:
+        vehicle, storage, refusals = self._vehicle, self._storage, guard.refusals
+        return Servers(
+            camera=CameraComponent(camera),
+            referee=RefereeComponent(vehicle),
+            commands=CommandServer(vehicle, system, storage.metadata),
+            missions=MissionServer(vehicle, self._outgoing.broadcast, self._outgoing.say),
+            parameters=ParameterServer(
+                vehicle.parameters, self._outgoing.broadcast_packet, refusals
+            ),
+            setpoints=SetpointServer(vehicle),
+            ground_station=GroundStationWatch(),
+            signing=SigningServer(vehicle, guard),
+            files=FileServer(storage.files, lambda: vehicle.time_us, refusals),
+            logs=LogServer(storage.logs, refusals),
+            refusals=refusals,
+        )
 
     def _view(self) -> View:
         return View(self._vehicle, unix_epoch_us=self._unix_epoch_us)

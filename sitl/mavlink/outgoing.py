@@ -3,31 +3,48 @@
 import itertools
 from collections.abc import Callable, Sequence
 
-from sitl.mavlink.dialect import AUTOPILOT, Message
+from sitl.mavlink.dialect import AUTOPILOT, Message, mavlink
 from sitl.mavlink.encoders import ENCODERS
 from sitl.mavlink.framing import Packet, pack
 from sitl.mavlink.link import Link
+from sitl.mavlink.refusals import Refusal, Refusals
 from sitl.mavlink.streams import GROUND_STATION, OFFBOARD_API, StreamTable
 from sitl.mavlink.texts import TAB, statustexts
 from sitl.mavlink.view import View
 from sitl.records import StatusText
 
+COMMAND_IS_FINE = {mavlink.MAV_RESULT_ACCEPTED, mavlink.MAV_RESULT_IN_PROGRESS}
+PLAN_IS_FINE = {mavlink.MAV_MISSION_ACCEPTED, mavlink.MAV_MISSION_OPERATION_CANCELLED}
 API_INDEX = 1  # the offboard API's link; all others are ground stations'
 
 
 class Port:
-    """A link as one component uses it."""
+    """A link as one component uses it; the refusals that go out by it are counted."""
 
-    def __init__(self, link: Link, component: int) -> None:
-        self._link, self._component = link, component
+    def __init__(self, link: Link, component: int, refusals: Refusals) -> None:
+        self._link, self._component, self._refusals = link, component, refusals
 
     def send(self, message: Message) -> None:
         """Send a message."""
+        refusal = _refusal(message)
+        if refusal is not None:
+            self._refusals.note([refusal])
         self._link.send(message, self._component)
 
     def send_packet(self, packet: Packet) -> None:
         """Send a packed message."""
         self._link.send_packet(packet, self._component)
+
+
+def _refusal(message: Message) -> Refusal | None:
+    """Say what an answer refuses, if it does."""
+    message_id = message.get_msgId()
+    if message_id == mavlink.MAVLINK_MSG_ID_COMMAND_ACK:
+        is_refused = message.result not in COMMAND_IS_FINE
+        return Refusal.COMMAND if is_refused else None
+    if message_id == mavlink.MAVLINK_MSG_ID_MISSION_ACK:
+        return Refusal.PLAN if message.type not in PLAN_IS_FINE else None
+    return None
 
 
 class Outgoing:

@@ -2,13 +2,13 @@
 
 import struct
 from collections.abc import Callable
-from contextlib import suppress
 
 from sitl.clock import SECOND_US
 from sitl.errors import UsageError
 from sitl.mavlink.crc32 import crc32
 from sitl.mavlink.dialect import Message, mavlink
 from sitl.mavlink.framing import Packet
+from sitl.mavlink.refusals import Refusal, Refusals
 from sitl.mavlink.request import Outlet, Request
 from sitl.mavlink.vehicle import Parameters
 
@@ -23,7 +23,14 @@ PARAM_VALUE = struct.Struct("<4sHH16sB")  # the value as bytes: a float would no
 class ParameterServer:
     """Answer the parameter protocol; lists go out at PX4's pace, one at a time for each link."""
 
-    def __init__(self, parameters: Parameters, broadcast: Callable[[Packet], None]) -> None:
+    def __init__(
+        self,
+        parameters: Parameters,
+        broadcast: Callable[[Packet], None],
+        refusals: Refusals | None = None,
+    ) -> None:
+        """Serve a table; `broadcast` tells a change on all links."""
+        self._refusals = refusals or Refusals()
         self._parameters = parameters
         self._broadcast = broadcast  # every change is told on all links
         self._names = parameters.names()
@@ -58,9 +65,12 @@ class ParameterServer:
             self._lists.pop(request.outlet, None)
             return
         if name not in self._parameters or message.param_type != self._parameters.type_of(name):
+            self._refusals.note([Refusal.PARAMETER])
             return
-        with suppress(UsageError):  # refused: the echo shows the value that stays
+        try:
             self._parameters.set(name, _decode(message.param_value, message.param_type))
+        except UsageError:  # the echo shows the value that stays
+            self._refusals.note([Refusal.PARAMETER])
         self._broadcast(self._value(self._names.index(name)))
 
     def advance(self, elapsed_us: int) -> None:

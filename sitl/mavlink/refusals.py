@@ -23,6 +23,13 @@ class Refusal(StrEnum):
     OWN_NAME = "sent in our name"
     KEY_CHANGE = "change of the signing key"
     FILE_ACCESS = "access to a file"
+    COMMAND = "command"
+    SETPOINT = "setpoint"
+    PARAMETER = "parameter"
+    PLAN = "plan"
+
+
+HONEST = {Refusal.COMMAND, Refusal.SETPOINT, Refusal.PARAMETER, Refusal.PLAN}  # mistakes happen
 
 
 class Refusals:
@@ -42,7 +49,9 @@ class Refusals:
         if self.totals == self._reported or now_s - self._report_s < REPORT_S:
             return
         self._report_s = now_s
-        _log.warning("refused: %s", describe(self.totals - self._reported))
+        fresh = self.totals - self._reported
+        level = logging.INFO if HONEST.issuperset(fresh) else logging.WARNING
+        _log.log(level, "refused: %s", describe(fresh))
         self._reported = self.totals.copy()
 
     def report_all(self) -> None:

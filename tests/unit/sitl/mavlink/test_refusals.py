@@ -26,3 +26,13 @@ def test_the_totals_are_told_at_the_end(caplog: pytest.LogCaptureFixture) -> Non
     refusals.note([Refusal.REPLAYED])
     refusals.report_all()
     assert caplog.records[0].getMessage() == "refused in all: 1 replayed"
+
+
+def test_what_may_be_a_mistake_is_no_warning(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.INFO)
+    refusals = Refusals()
+    refusals.note([Refusal.COMMAND, Refusal.PARAMETER])
+    refusals.report(0.0)
+    refusals.note([Refusal.COMMAND, Refusal.NO_FRAME])
+    refusals.report(REPORT_S)
+    assert [record.levelname for record in caplog.records] == ["INFO", "WARNING"]

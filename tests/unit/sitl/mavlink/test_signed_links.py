@@ -205,3 +205,17 @@ def test_a_key_is_never_forwarded(open_bench: Bench) -> None:
     open_bench.handle()
     open_bench.api.codec.signing.secret_key = KEY
     assert "SETUP_SIGNING" not in [message.get_type() for message in open_bench.api.take()]
+
+
+def test_what_is_refused_is_counted(open_bench: Bench) -> None:
+    bench, gcs = open_bench, open_bench.gcs
+    gcs.send(mavlink.MAVLink_command_long_message(1, 1, 512, 0, 9999, *[0.0] * 6))
+    gcs.send(mavlink.MAVLink_param_set_message(1, 1, b"MPC_XY_VEL_MAX", 1e9, 9))
+    gcs.send(mavlink.MAVLink_param_set_message(1, 1, b"NO_SUCH", 1.0, 9))
+    gcs.send(mavlink.MAVLink_set_position_target_local_ned_message(0, 1, 1, 12, 1479, *[0.0] * 11))
+    bench.handle()
+    assert bench.guard.refusals.totals == {
+        Refusal.COMMAND: 1,
+        Refusal.PARAMETER: 2,
+        Refusal.SETPOINT: 1,
+    }
