@@ -29,6 +29,7 @@ FOLLOWING = {
     Action.DISARM: "Disarm",
     Action.TERMINATE: "Flight termination",
 }
+CALM = Memory()
 BOOT, STANDBY, ACTIVE, FAILSAFE, TERMINATED = 0, 3, 4, 5, 8  # MAV_STATE
 
 
@@ -40,7 +41,7 @@ class Commander:
         self.intended = self.mode = Mode.HOLD
         self.failsafe = False
         self._cause: Cause | None = None  # of the failsafe
-        self._memory = Memory()
+        self._memory = CALM
         self.goal = Goal()
         self.entries = 0  # counts beginnings of a mode, so that one can begin again
         self.health = Health()
@@ -58,6 +59,7 @@ class Commander:
         p = parameters
         self._disarm_landed_us = round(p["COM_DISARM_LAND"] * SECOND_US)
         self._disarm_preflight_us = round(p["COM_DISARM_PRFLT"] * SECOND_US)
+        self._fine_with: Health | None = None  # under which the mode intended is flown
         self._actions = Actions(
             int(p["COM_OBL_RC_ACT"]),
             int(p["NAV_DLL_ACT"]),
@@ -189,7 +191,11 @@ class Commander:
         """Let the failsafe table choose the mode, and say so when it takes over."""
         if self.intended is Mode.TERMINATION:
             return
+        if self.health is self._fine_with and self.intended is self.mode:
+            return  # nothing has changed since all was well
         decision, self._memory = decide(self._conditions(), self._memory, self._time_us)
+        is_fine = decision.cause is None and self._memory == CALM
+        self._fine_with = self.health if is_fine else None
         if decision.cause is not self._cause:
             self._tell_of(decision)
         self.failsafe, self._cause = decision.cause is not None, decision.cause

@@ -20,6 +20,8 @@ class HealthWatch:
     def __init__(self, parameters: Parameters) -> None:
         self.links = Links(parameters)
         self._battery = Battery.FINE
+        self._charge = 1.0
+        self._health = Health()
         self._texts: list[StatusText] = []
         self.load(parameters)
 
@@ -32,6 +34,7 @@ class HealthWatch:
             (p["BAT_CRIT_THR"], Battery.CRITICAL),
             (p["BAT_LOW_THR"], Battery.LOW),
         )
+        self._watch_battery(self._charge)
 
     def update(
         self,
@@ -43,25 +46,28 @@ class HealthWatch:
     ) -> Health:
         """Look at everything once a tick."""
         time_us, links = estimate.time_us, self.links
-        self._watch_battery(estimate.battery)
-        news = links.companion_news(time_us)
-        if news is not None:
-            self._texts.append(StatusText(severity=WARNING, text=news + "\t"))
-        sticks_there = links.takes_sticks and links.sticks.is_there(time_us)
-        return Health(
+        if estimate.battery != self._charge:
+            self._watch_battery(estimate.battery)
+        if links.companion.was_heard:
+            self._watch_companion(time_us)
+        takes_sticks = links.takes_sticks and links.sticks.was_heard
+        now = (
             estimate.attitude_valid,
             estimate.position_valid,
             estimate.altitude_valid,
             offboard.is_alive(time_us),
-            offboard.by_attitude,
-            sticks_there,
-            links.takes_sticks and links.sticks.is_lost(time_us),
+            offboard.attitude is not None,
+            takes_sticks and links.sticks.is_there(time_us),
+            takes_sticks and links.sticks.is_lost(time_us),
             links.ground_station.is_lost(time_us),
             mission_available,
             fence_breached,
             self._battery,
             estimate.sensors,
         )
+        if now != self._health:  # the same object while nothing changes: see the commander
+            self._health = Health(*now)
+        return self._health
 
     def drain_texts(self) -> list[StatusText]:
         """Take the texts that came up since the last call."""
@@ -69,6 +75,7 @@ class HealthWatch:
         return texts
 
     def _watch_battery(self, remaining: float) -> None:
+        self._charge = remaining
         level = Battery.FINE
         for threshold, name in self._thresholds:
             if remaining < threshold:
@@ -77,3 +84,8 @@ class HealthWatch:
         if level > self._battery:
             self._texts.append(StatusText(severity=WARNING, text=BATTERY_TEXTS[level] + "\t"))
         self._battery = level
+
+    def _watch_companion(self, time_us: int) -> None:
+        news = self.links.companion_news(time_us)
+        if news is not None:
+            self._texts.append(StatusText(severity=WARNING, text=news + "\t"))

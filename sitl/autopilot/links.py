@@ -20,6 +20,11 @@ class Watch:
         """Note a message of the sender."""
         self._heard_us = time_us
 
+    @property
+    def was_heard(self) -> bool:
+        """Whether it has ever been heard."""
+        return self._heard_us is not None
+
     def forget(self) -> None:
         """Be as before it was ever heard."""
         self._heard_us = None

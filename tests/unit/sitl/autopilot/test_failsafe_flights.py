@@ -141,3 +141,12 @@ def test_without_an_attitude_the_flight_is_terminated(hovering):
     hovering.run(0.02)
     assert hovering.autopilot.status.mode is Mode.TERMINATION
     assert hovering.autopilot.status.system_status == 8
+
+
+def test_a_parameter_acts_at_once_on_what_has_already_happened(hovering):
+    hovering.autopilot.ground_station_heard()
+    hovering.run(10.5)
+    assert not hovering.autopilot.status.failsafe
+    hovering.parameters.set("NAV_DLL_ACT", 1)
+    hovering.run(0.02)
+    assert hovering.autopilot.status.failsafe
