@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import development as mavlink
 
+from sitl.mavlink.newer_messages import CurrentEventSequence
 from tests.wire.vehicle_process import Client, Vehicle, is_acknowledgement
 
 pytestmark = pytest.mark.flight
@@ -31,6 +32,7 @@ GCS_RATES = {
     ),
     **dict.fromkeys(["BATTERY_STATUS", "HOME_POSITION", "ESTIMATOR_STATUS", "CURRENT_MODE"], 0.5),
     **dict.fromkeys(["PING", "VIBRATION"], 0.1),
+    CurrentEventSequence.msgname: 0.33,
     "GPS_RAW_INT": 5.0,
     "VFR_HUD": 4.0,
 }
