@@ -198,10 +198,11 @@ def measure_memory(folder: Path) -> None:
     path = folder / "many.tlog"
     make_log(path, MANY)
     code = (
-        "import resource, sys; from pathlib import Path;"
+        "import sys; from pathlib import Path;"
         "from flightstack.logs.commands.summary import summary_of;"
         "facts = summary_of(Path(sys.argv[1]), None);"
-        "print(facts['messages'], resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)"
+        "status = Path('/proc/self/status').read_text();"
+        "print(facts['messages'], int(status.split('VmHWM:')[1].split()[0]) / 1024)"
     )
     ran = subprocess.run(
         [PYTHON, "-c", code, str(path)], capture_output=True, text=True, check=True
