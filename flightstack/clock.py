@@ -8,7 +8,7 @@ for the one purpose that needs it: stamping the images of a camera that carries 
 import time
 from collections.abc import Callable
 
-REBOOT_US = 1_000_000  # a stamp further back than this is a new boot, not a message out of order
+REBOOT_US = 5_000_000  # a stamp further back than this is a new boot, not one that comes late
 
 
 class VehicleClock:

@@ -18,6 +18,7 @@ from flightstack.mavlink.framing import FrameSplitter, split_frames
 CONNECT_TIMEOUT_S = 5.0
 DATAGRAM_BYTES = 65535
 RECEIVE_BUFFER_BYTES = 1 << 20  # bridges the seconds in which a model is being loaded
+MOST_READS = 64  # at once, of a stream; a terminal gives 4 KiB a read
 UNSENT_BYTES = 4096  # five answers to a frame: more would reach a slow peer too late to be of use
 
 Address = tuple[str, int]
@@ -138,21 +139,25 @@ class StreamTransport:
         return self._owner.fileno()
 
     def receive(self) -> list[Received]:
-        """Return the frames that have arrived whole."""
-        if not select.select([self], [], [], 0)[0]:
-            return []  # a serial line would read as empty, like one that is gone
-        try:
-            data = os.read(self._owner.fileno(), DATAGRAM_BYTES)
-        except BlockingIOError:
-            return []
-        except OSError:
-            data = b""
-        self.closed = self.closed or not data
-        return [(self._splitter.split(data), None)]
+        """Return the frames that have arrived whole; all of them, as far as can be told."""
+        frames: list[bytes] = []
+        for _ in range(MOST_READS):
+            # A serial line without data reads as empty, like one that is gone: ask first.
+            if self.closed or not select.select([self], [], [], 0)[0]:
+                break
+            try:
+                data = os.read(self._owner.fileno(), DATAGRAM_BYTES)
+            except BlockingIOError:
+                break
+            except OSError:
+                data = b""
+            self.closed = not data
+            frames += self._splitter.split(data)
+        return [(frames, None)] if frames else []
 
     def forget_backlog(self) -> None:
         """Drop all that waits: a serial line keeps the first of it, and then has lost the rest."""
-        while any(frames for frames, _ in self.receive()):
+        while self.receive():
             continue
         self._splitter = FrameSplitter()
 

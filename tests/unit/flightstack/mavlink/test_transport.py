@@ -1,5 +1,6 @@
 """Bytes over real sockets and a real pseudo-terminal."""
 
+import contextlib
 import os
 import select
 import socket
@@ -14,6 +15,7 @@ from flightstack.mavlink.transport import UNSENT_BYTES, Transport, UdpTransport,
 from tests.unit.flightstack.mavlink.test_framing import heartbeat
 
 WAIT_S = 5.0
+READ_BYTES = 4096  # that a terminal gives at once
 TERMINAL_BYTES = 65536  # that the kernel keeps for a pseudo-terminal, at most
 
 
@@ -121,6 +123,24 @@ def test_a_serial_line_forgets_what_waited_for_too_long() -> None:
     transport.forget_backlog()
     os.write(ours, heartbeat(3))
     assert received(transport) == [heartbeat(3)]
+    transport.close()
+    os.close(ours)
+    os.close(theirs)
+
+
+def test_a_serial_line_is_read_to_its_end() -> None:
+    ours, theirs = os.openpty()
+    tty.setraw(ours)
+    os.set_blocking(ours, False)
+    transport = open_transport(parse_endpoint(os.ttyname(theirs)))
+    sent = 0
+    with contextlib.suppress(BlockingIOError):
+        while sent < 2000:
+            os.write(ours, heartbeat(sent % 256))
+            sent += 1
+    found = received(transport)
+    assert len(found) * len(heartbeat()) > 2 * READ_BYTES
+    assert len(found) >= sent - 1  # the last one may have been cut
     transport.close()
     os.close(ours)
     os.close(theirs)
