@@ -12,8 +12,6 @@ from queue import SimpleQueue
 
 import cv2
 
-from flightstack.camera.camera import Camera
-from flightstack.camera.mailbox import Arrival
 from flightstack.errors import UsageError
 from flightstack.records import Frame
 
@@ -81,27 +79,3 @@ class FrameRecorder:
                 partial.unlink()
             return False
         return True
-
-
-class RecordedCamera:
-    """A camera, each of whose frames is recorded as it is taken."""
-
-    def __init__(self, camera: Camera, recorder: FrameRecorder) -> None:
-        self._camera = camera
-        self._recorder = recorder
-
-    @property
-    def stamped(self) -> bool:
-        """Whether frames carry the vehicle's own stamps; known after the first."""
-        return self._camera.stamped
-
-    def fileno(self) -> int:
-        """Return what a selector waits on: readable while there is a frame."""
-        return self._camera.fileno()
-
-    def take(self) -> Arrival | None:
-        """Take the newest frame, if it has not been taken; never waits."""
-        arrival = self._camera.take()
-        if arrival is not None:
-            self._recorder.record(arrival.frame)
-        return arrival

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from flightstack.camera.recorder import FrameRecorder, RecordedCamera
+from flightstack.camera.recorder import FrameRecorder
 from flightstack.clock import VehicleClock
 from flightstack.companion.discovery import (
     find_camera,
@@ -69,11 +69,12 @@ def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], progress: Progress) -
         wait_for_frame(vehicle, camera, plan.timeout_s, name=uri)
         loop = FlightLoop(
             vehicle,
-            camera if recorder is None else RecordedCamera(camera, recorder),
+            camera,
             pilot,
             reporter,
             duration_us=None if plan.duration_s is None else round(plan.duration_s * 1e6),
             speed_scale=plan.speed_scale,
+            recorder=recorder,
         )
         return _run(loop, vehicle, plan)
 

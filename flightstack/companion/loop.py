@@ -54,6 +54,13 @@ class FrameQueue(Protocol):
         """Take the newest frame, if it has not been taken."""
 
 
+class Recorder(Protocol):
+    """Where frames are kept."""
+
+    def record(self, frame: Frame) -> None:
+        """Have a frame kept; never waits."""
+
+
 class FlightLoop:
     """One flight, from the first frame to the last."""
 
@@ -66,6 +73,7 @@ class FlightLoop:
         *,
         duration_us: int | None = None,
         speed_scale: float = 1.0,
+        recorder: Recorder | None = None,
     ) -> None:
         self.state = MissionState(duration_us=duration_us)
         self.stop = StopSwitch()
@@ -77,6 +85,7 @@ class FlightLoop:
         self._pilot = pilot
         self._reporter = reporter
         self._speed_scale = speed_scale
+        self._recorder = recorder
         self._frame_us = self._clock.stamp_us
         self._frame_s = time.monotonic()
         self._steered_s = self._frame_s
@@ -119,6 +128,8 @@ class FlightLoop:
         self._steered_s = time.monotonic()
         if self.state.phase is Phase.FLYING:
             self.latencies_s.append(time.monotonic() - arrival.received_s)
+        if self._recorder is not None:  # last of all: nothing waits for it now
+            self._recorder.record(frame)
 
     def _await_trigger(self, stamp_us: int) -> None:
         """Wait until the vehicle's telemetry has come up to the frame, where it announces them."""

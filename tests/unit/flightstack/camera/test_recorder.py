@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from flightstack.camera import recorder as recorder_module
-from flightstack.camera.mailbox import Arrival
-from flightstack.camera.recorder import FrameRecorder, RecordedCamera
+from flightstack.camera.recorder import FrameRecorder
 from flightstack.errors import UsageError
 from flightstack.records import Frame
 from tests.unit.flightstack.small_disk import small_disk
@@ -101,28 +100,3 @@ def test_a_folder_that_cannot_be_is_refused(tmp_path: Path) -> None:
     (tmp_path / "flight.frames").write_text("a file")
     with pytest.raises(UsageError, match=r"cannot record frames in .*flight\.frames: File exists"):
         FrameRecorder(tmp_path / "flight.frames")
-
-
-class OneFrameCamera:
-    stamped = True
-
-    def __init__(self) -> None:
-        self._arrivals = [Arrival(frame(9), 0.0)]
-
-    def fileno(self) -> int:
-        return 42
-
-    def take(self) -> Arrival | None:
-        return self._arrivals.pop() if self._arrivals else None
-
-
-def test_a_recorded_camera_is_the_camera_itself(tmp_path: Path) -> None:
-    recorder = FrameRecorder(tmp_path)
-    camera = RecordedCamera(OneFrameCamera(), recorder)  # type: ignore[arg-type]
-    assert (camera.stamped, camera.fileno()) == (True, 42)
-    arrival = camera.take()
-    assert arrival is not None
-    assert arrival.frame.stamp_us == 9
-    assert camera.take() is None
-    recorder.close()
-    assert [path.name for path in tmp_path.iterdir()] == ["000000000009.png"]
