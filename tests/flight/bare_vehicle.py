@@ -97,8 +97,8 @@ class SerialLine:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
             udp.bind(("127.0.0.1", self._port))
             while not self._stop.is_set():
-                ready, _, _ = select.select([udp, self._master], [], [], 0.1)
-                if udp in ready:
+                ready, _, _ = select.select([udp.fileno(), self._master], [], [], 0.1)
+                if udp.fileno() in ready:
                     datagram, vehicle = udp.recvfrom(READ_BYTES)
                     with contextlib.suppress(BlockingIOError):  # nobody reads: lost, as on a cable
                         os.write(self._master, datagram)
