@@ -13,7 +13,7 @@ from tests.flight.processes import pair
 pytestmark = pytest.mark.flight
 CALM = ("--noise=0,0", "--laps=4")
 START_S = 60.0  # from the processes' start to the first gate
-LOST_S = 8.0  # 5 s on an idle machine: 3 s of silence, then the end of the process
+LOST_S = 5.0  # 3 s of silence, then the end of the process
 OFFBOARD_LOSS_S = 1.0  # PX4 COM_OF_LOSS_T
 CONTROL_TICK_S = 0.004
 LINK_BITS_S = 4e-6  # the tlog's times carry the link's number in their lowest bits
