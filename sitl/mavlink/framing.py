@@ -78,33 +78,22 @@ def frame(
 
 def split(datagram: bytes) -> list[Received]:
     """Find the valid frames of known messages in a datagram; never raises."""
-    received: list[Received] = []
-    position = bad = 0
-    while bad < MAX_BAD_FRAMES:
-        position = _next_magic(datagram, position)
-        if position < 0:
-            break
-        raw = _candidate(datagram, position)
-        item = _decode(raw) if raw is not None else None
-        if raw is None or item is None:
-            bad += 1
-            position += 1
-            continue
-        position += len(raw)
-        if not isinstance(item.message, mavlink.MAVLink_unknown):
-            received.append(item)
-    return received
+    return _split(datagram, is_stream=False)[0]
 
 
 def split_stream(data: bytes) -> tuple[list[Received], bytes]:
     """Find the valid frames in a piece of a stream; what may be the beginning of one is left."""
+    return _split(data, is_stream=True)
+
+
+def _split(data: bytes, *, is_stream: bool) -> tuple[list[Received], bytes]:
     received: list[Received] = []
     position = bad = 0
     while bad < MAX_BAD_FRAMES:
         position = _next_magic(data, position)
         if position < 0:
             break
-        if len(data) - position < _frame_bytes(data, position):
+        if is_stream and len(data) - position < _frame_bytes(data, position):
             return received, data[position:]
         raw = _candidate(data, position)
         item = _decode(raw) if raw is not None else None

@@ -63,7 +63,7 @@ def fly_leg(offboard: Offboard, motion: Latest, place: tuple[float, float, float
         return math.dist((at.north_m, at.east_m, at.down_m), place) < WITHIN_M
 
     motion.drain()
-    motion.until(is_there, f"at {place}", timeout_s=LEG_TIME_S / SPEED_FACTOR * 1.5)
+    motion.until(is_there, f"at {place}", timeout_s=LEG_TIME_S / SPEED_FACTOR)
 
 
 def climb_by_attitude(offboard: Offboard, motion: Latest) -> None:
