@@ -53,6 +53,8 @@ def build_parser() -> argparse.ArgumentParser:
     add("--seed", type=_whole, default=0, help="of the sampling (default 0)")
     add("--takeoff-altitude", type=_positive, default=3.0, metavar="M", help="m above home (3)")
     add("--duration", type=_positive, metavar="S", help="fly no longer than this, vehicle time")
+    add("--gate-timeout", type=_positive, metavar="S", help="end so long after the last gate")
+    add("--no-landing", action="store_true", help="end in the air: a simulation ends, too")
     add("--speed-scale", type=_positive, default=1.0, metavar="X", help="factor on commands (1)")
     add("--timeout", type=_positive, default=60.0, metavar="S", help="to find the vehicle (60)")
     add("--log", type=Path, metavar="PATH", help="tlog (default logs/companion-<UTC>.tlog)")
@@ -121,6 +123,8 @@ def _plan(arguments: argparse.Namespace) -> "FlightPlan":
         camera=arguments.camera,
         takeoff_altitude_m=arguments.takeoff_altitude,
         duration_s=arguments.duration,
+        gate_timeout_s=arguments.gate_timeout,
+        lands=not arguments.no_landing,
         speed_scale=arguments.speed_scale,
         timeout_s=arguments.timeout,
         signing_key=None if arguments.signing_key is None else load_key(arguments.signing_key),

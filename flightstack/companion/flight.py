@@ -15,7 +15,7 @@ from flightstack.companion.discovery import (
     wait_for_vehicle,
 )
 from flightstack.companion.loop import FlightLoop, Pilot
-from flightstack.companion.mission_state import Outcome
+from flightstack.companion.mission_state import MissionState, Outcome
 from flightstack.companion.progress import Progress
 from flightstack.companion.reporter import Reporter
 from flightstack.companion.signals import landing_first
@@ -40,6 +40,8 @@ class FlightPlan:
     camera: str | None = None  # None: the one that the vehicle names
     takeoff_altitude_m: float = 3.0  # above home
     duration_s: float | None = None  # in OFFBOARD, vehicle time
+    gate_timeout_s: float | None = None  # without passing a gate, vehicle time
+    lands: bool = True  # at the end
     speed_scale: float = 1.0
     timeout_s: float = 60.0  # for vehicle and camera to be found, wall time
     signing_key: bytes | None = field(default=None, repr=False)
@@ -72,11 +74,19 @@ def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], progress: Progress) -
             camera,
             pilot,
             reporter,
-            duration_us=None if plan.duration_s is None else round(plan.duration_s * 1e6),
+            mission=_mission(plan),
             speed_scale=plan.speed_scale,
             recorder=recorder,
         )
         return _run(loop, vehicle, plan)
+
+
+def _mission(plan: FlightPlan) -> MissionState:
+    return MissionState(
+        duration_us=None if plan.duration_s is None else round(plan.duration_s * 1e6),
+        gate_timeout_us=None if plan.gate_timeout_s is None else round(plan.gate_timeout_s * 1e6),
+        lands=plan.lands,
+    )
 
 
 def _open_recorder(

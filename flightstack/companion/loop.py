@@ -71,11 +71,11 @@ class FlightLoop:
         pilot: Pilot,
         reporter: Reporter,
         *,
-        duration_us: int | None = None,
+        mission: MissionState | None = None,
         speed_scale: float = 1.0,
         recorder: Recorder | None = None,
     ) -> None:
-        self.state = MissionState(duration_us=duration_us)
+        self.state = MissionState() if mission is None else mission
         self.stop = StopSwitch()
         self.frames = 0
         self.latencies_s: list[float] = []

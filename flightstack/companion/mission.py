@@ -146,6 +146,10 @@ def _flying(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
     if _time_is_up(state, now_us):  # the end of a course that is still being flown, or of all
         outcome = Outcome.TIMEOUT if course.known else Outcome.COMPLETED
         return _end(state, outcome, vehicle, now_us)
+    if course.gates_passed > state.gates_passed:
+        state = replace(state, gates_passed=course.gates_passed, gate_us=now_us)
+    if _is_lost(state, now_us):
+        return _end(state, Outcome.TIMEOUT, vehicle, now_us)
     return state, ()
 
 
@@ -213,6 +217,13 @@ def _time_is_up(state: MissionState, now_us: int) -> bool:
     return now_us - state.offboard_us >= state.duration_us
 
 
+def _is_lost(state: MissionState, now_us: int) -> bool:
+    since_us = state.offboard_us if state.gate_us is None else state.gate_us
+    if state.gate_timeout_us is None or since_us is None:
+        return False
+    return now_us - since_us >= state.gate_timeout_us
+
+
 def _enter(state: MissionState, phase: Phase, now_us: int, *requests: Request) -> Step:
     requested_us = now_us if requests else None
     entered = replace(
@@ -230,14 +241,15 @@ def _ask(state: MissionState, request: Request, now_us: int) -> Step:
 def _end(state: MissionState, outcome: Outcome, vehicle: Telemetry, now_us: int) -> Step:
     """Land what we have lifted, and leave alone what we have not touched or no longer steer."""
     state = _conclude(state, outcome, now_us)
-    if state.phase in (Phase.WAITING, Phase.TAKEN_OVER):
+    if state.phase in (Phase.WAITING, Phase.TAKEN_OVER) or not state.lands:
         return _enter(state, Phase.DONE, now_us)
     on_ground = vehicle.landed is Landed.ON_GROUND
     return _enter(state, Phase.LANDING, now_us, Request.DISARM if on_ground else Request.LAND)
 
 
 def _lose_control(state: MissionState, now_us: int) -> Step:
-    return _enter(_conclude(state, Outcome.TAKEN_OVER, now_us), Phase.TAKEN_OVER, now_us)
+    phase = Phase.TAKEN_OVER if state.lands else Phase.DONE
+    return _enter(_conclude(state, Outcome.TAKEN_OVER, now_us), phase, now_us)
 
 
 def _give_up(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:

@@ -60,11 +60,15 @@ class MissionState:
     """Where the mission stands, and since when (vehicle time)."""
 
     duration_us: int | None = None  # to fly in OFFBOARD at most
+    gate_timeout_us: int | None = None  # to fly without passing a gate at most
+    lands: bool = True  # at the end; False in a simulation that ends with the flight
     phase: Phase = Phase.WAITING
     entered_us: int | None = None
     requested_us: int | None = None  # the last request of this phase
     confirmed: bool = False  # the mode that this phase asked for has been seen
     slow_us: int | None = None  # since when it hovers after the climb
     offboard_us: int | None = None  # when FLYING began
+    gates_passed: int = 0  # while FLYING
+    gate_us: int | None = None  # when the last of them was seen
     ended_us: int | None = None  # when FLYING ended
     outcome: Outcome | None = None

@@ -7,7 +7,7 @@ import pytest
 
 from flightstack.companion.mission_state import Outcome, Phase, Request
 from flightstack.mavlink.px4 import Px4Mode
-from flightstack.mavlink.telemetry import Course, CourseFailure
+from flightstack.mavlink.telemetry import Course, CourseFailure, Telemetry
 from tests.unit.flightstack.companion.made_mission import (
     AIRBORNE,
     COURSE,
@@ -170,3 +170,26 @@ def test_done_stays_done() -> None:
     mission = Mission(Phase.DONE, outcome=Outcome.COMPLETED)
     assert mission.see(OFFBOARD, 999, stop=True, frame_age_s=99) is Phase.DONE
     assert mission.requests == []
+
+
+def test_without_a_gate_for_long_the_course_is_given_up() -> None:
+    mission = Mission(Phase.FLYING, gate_timeout_us=10 * S)
+    assert mission.see(replace(OFFBOARD, course=Course(gates_total=8)), 9.95) is Phase.FLYING
+    assert mission.see(replace(OFFBOARD, course=COURSE), 9.96) is Phase.FLYING
+    assert mission.see(replace(OFFBOARD, course=COURSE), 19.95) is Phase.FLYING
+    assert mission.see(replace(OFFBOARD, course=COURSE), 19.96) is Phase.LANDING
+    assert mission.state.outcome is Outcome.TIMEOUT
+
+
+@pytest.mark.parametrize(
+    "vehicle",
+    [
+        replace(OFFBOARD, course=replace(COURSE, failed=True)),
+        replace(AIRBORNE, course=COURSE),  # somebody took over
+    ],
+)
+def test_a_flight_of_a_simulation_ends_in_the_air(vehicle: Telemetry) -> None:
+    mission = Mission(Phase.FLYING, lands=False)
+    assert mission.see(vehicle, 1) is Phase.DONE
+    assert mission.requests == []
+    assert mission.state.outcome is not None
