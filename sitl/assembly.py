@@ -79,6 +79,7 @@ def _make_simulation(options: Options) -> Simulation:
             home=options.home,
             gui=options.gui,
             perfect_estimate=options.perfect_estimate,
+            conditions=options.conditions,
         )
     )
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Literal, NoReturn, TypeVar
 
 from sitl import option_values as values
+from sitl.conditions import Conditions, read_conditions
 from sitl.errors import UsageError
 from sitl.option_values import Address
 from sitl.records import Vector3
@@ -35,6 +36,7 @@ class Options:
     lockstep: bool
     gui: bool
     perfect_estimate: bool
+    conditions: Conditions
     instance: int
     home: Vector3
     log: Path | None
@@ -82,6 +84,7 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
         lockstep=given.lockstep,
         gui=given.gui,
         perfect_estimate=given.perfect_estimate,
+        conditions=read_conditions(given.conditions, given.condition),
         instance=instance,
         home=_first(given.home, _home_from(environment), HOME),
         log=given.log,
@@ -113,6 +116,7 @@ def _parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     _add_world(parser)
+    _add_conditions(parser)
     _add_time(parser)
     _add_connections(parser)
     return parser
@@ -146,6 +150,25 @@ def _add_world(parser: argparse.ArgumentParser) -> None:
     world.add_argument("--gui", action="store_true", help="show the world in a window")
     world.add_argument(
         "--perfect-estimate", action="store_true", help="let the autopilot know the true state"
+    )
+
+
+def _add_conditions(parser: argparse.ArgumentParser) -> None:
+    conditions = parser.add_argument_group(
+        "conditions", "wind, fog, darkness, camera faults, second gates: see docs/conditions.md"
+    )
+    conditions.add_argument(
+        "--conditions",
+        type=Path,
+        metavar="FILE",
+        help="a TOML file of them",
+    )
+    conditions.add_argument(
+        "--condition",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="one of them, as camera.latency_s=0.1; goes before the file",
     )
 
 

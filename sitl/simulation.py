@@ -13,6 +13,7 @@ from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters
 from sitl.breakage import Breakage
 from sitl.clock import TICK_US, Schedule
+from sitl.conditions import Conditions
 from sitl.failures import SENSORS, Failure, FailureType, FailureUnit
 from sitl.frames import quaternion_from_euler
 from sitl.records import (
@@ -27,17 +28,22 @@ from sitl.records import (
 from sitl.sensors.battery import Pack
 from sitl.sensors.camera import Camera
 from sitl.sensors.estimator import Estimator, PerfectEstimator
-from sitl.sensors.look import draw_look
+from sitl.sensors.look import Look, at_dusk, draw_look, in_fog
+from sitl.sensors.noise import normals
+from sitl.sensors.shutter import Delay, Spoiler
 from sitl.sensors.suite import Sensors
 from sitl.world.airframe import load_airframe
 from sitl.world.referee import Referee
-from sitl.world.track import Direction, make_track
+from sitl.world.track import Direction, Track, make_track, with_decoys
+from sitl.world.wind import blow
 from sitl.world.world import World
 
 CAMERA_RATE_HZ = 20
 HOME = (47.397742, 8.545594, 489.4)  # deg, deg, m AMSL; PX4's default
 # These separate the uses of the vehicle's seed from each other.
 LOOK_STREAM, SENSOR_STREAM, ESTIMATE_STREAM, BREAKAGE_STREAM = 0x100C, 0x5E45, 0xE571, 0xB4EA
+WIND_STREAM, SPOILER_STREAM = 0xA114, 0x5B01
+CLEAR_DAY = Conditions()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +59,7 @@ class SimulationConfig:
     home: Vector3 = HOME
     airframe: str = "x500"
     perfect_estimate: bool = False  # the autopilot knows the truth
+    conditions: Conditions = CLEAR_DAY
     gui: bool = False
 
 
@@ -66,14 +73,8 @@ class Simulation:
             UsageError: the track's noise or the airframe cannot be.
 
         """
-        radius_noise_m, height_noise_m = config.noise_m
         self.config = config
-        self.track = make_track(
-            config.track_seed,
-            radius_noise_m=radius_noise_m,
-            height_noise_m=height_noise_m,
-            direction=config.direction,
-        )
+        self.track = _lay_out(config)
         airframe = load_airframe(config.airframe)
         self.parameters = Parameters(airframe.parameters)
         self.autopilot = Autopilot(
@@ -83,15 +84,16 @@ class Simulation:
             hover_thrust=airframe.hover_thrust,
             home=config.home,
         )
-        self._world = World(self.track.gates, airframe, tick_s=TICK_US / 1e6, gui=config.gui)
+        standing = self.track.gates + self.track.decoys
+        self._world = World(standing, airframe, tick_s=TICK_US / 1e6, gui=config.gui)
         first = config.first_gate
         self.course_gates = self.track.gates[first:] + self.track.gates[:first]
         self._referee = Referee(self.course_gates, config.laps)
         self._sensors = Sensors([config.seed, SENSOR_STREAM], altitude_m=config.home[2])
         self._estimator = self._make_estimator()
         self._breakage = Breakage(np.random.default_rng([config.seed, BREAKAGE_STREAM]))
-        look = draw_look(np.random.default_rng([config.seed, LOOK_STREAM]))
-        self._camera = Camera(self.track.gates, look)
+        self._camera = Camera(standing, _draw_look(config))
+        self._take_conditions()
         self._frames = Schedule(CAMERA_RATE_HZ)
         self._sequence = 0
         self._events: list[CourseEvent] = []
@@ -112,6 +114,8 @@ class Simulation:
         motors = self._breakage.drive(self.autopilot.step(self.estimate))
         for failure in self.autopilot.drain_failures():
             self._fail(failure)
+        if self._wind is not None:
+            self._world.body.wind_ned = next(self._wind)
         previous = self.state
         self.time_us += TICK_US
         self.state = self._world.step(motors, self.time_us)
@@ -131,8 +135,13 @@ class Simulation:
         return events
 
     def frame_due(self) -> bool:
-        """Whether the camera takes an image at this tick; true once for each."""
-        return self._frames.due(self.time_us) and self._breakage.takes_image(self.time_us)
+        """Whether the camera gives an image out at this tick; true once for each."""
+        is_taken = self._frames.due(self.time_us) and self._breakage.takes_image(self.time_us)
+        if self._delay is None:
+            return is_taken
+        if is_taken:
+            self._delay.put(self._take_image())
+        return self._delay.is_due(self.time_us)
 
     @property
     def is_silent(self) -> bool:
@@ -140,8 +149,13 @@ class Simulation:
         return self._breakage.is_silent(self.time_us)
 
     def render(self) -> Frame:
-        """Take an image now."""
+        """Give the image out that is due: one of this moment, unless the camera is late."""
+        return self._take_image() if self._delay is None else self._delay.take()
+
+    def _take_image(self) -> Frame:
         rgb = self._camera.render(self.state.position_ned, self.state.q_ned_frd)
+        if self._spoiler is not None:
+            rgb = self._spoiler.spoil(rgb)
         frame = Frame(time_us=self.time_us, sequence=self._sequence, rgb=rgb)
         self._sequence += 1
         return self._breakage.picture(frame)
@@ -187,9 +201,42 @@ class Simulation:
             p["SIM_BAT_MIN_PCT"] / 100.0,
         )
 
+    def _take_conditions(self) -> None:
+        """Set up wind and camera faults; None where the conditions ask for nothing."""
+        conditions, seed = self.config.conditions, self.config.seed
+        self._wind = self._spoiler = self._delay = None
+        if conditions.wind != CLEAR_DAY.wind:
+            noise = normals(np.random.default_rng([seed, WIND_STREAM]))
+            self._wind = blow(conditions.wind, noise, TICK_US / 1e6)
+        if conditions.camera != CLEAR_DAY.camera:
+            rng = np.random.default_rng([seed, SPOILER_STREAM])
+            self._spoiler = Spoiler(conditions.camera, rng)
+        if conditions.camera.latency_s > 0.0:
+            self._delay = Delay(conditions.camera.latency_s)
+
     def _make_estimator(self) -> Estimator | PerfectEstimator:
         if self.config.perfect_estimate:
             return PerfectEstimator()
         imu = self._sensors.imu
         rng = np.random.default_rng([self.config.seed, ESTIMATE_STREAM])
         return Estimator(rng, imu.gyro_bias_frd, imu.accelerometer_bias_frd)
+
+
+def _lay_out(config: SimulationConfig) -> Track:
+    radius_noise_m, height_noise_m = config.noise_m
+    track = make_track(
+        config.track_seed,
+        radius_noise_m=radius_noise_m,
+        height_noise_m=height_noise_m,
+        direction=config.direction,
+    )
+    inwards_m = config.conditions.course.decoy_inwards_m
+    return track if inwards_m == 0.0 else with_decoys(track, inwards_m)
+
+
+def _draw_look(config: SimulationConfig) -> Look:
+    light = config.conditions.light
+    look = draw_look(np.random.default_rng([config.seed, LOOK_STREAM]))
+    if light.daylight_share < 1.0:
+        look = at_dusk(look, light.daylight_share)
+    return in_fog(look, light.fog_visibility_m)

@@ -8,7 +8,6 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,7 +16,8 @@ from flightstack.training.gate_views import PARKED_NED, place
 from sitl.frames import quaternion_from_euler, wrap_pi
 from sitl.records import Gate, Quaternion, Vector3
 from sitl.sensors.camera import Camera
-from sitl.sensors.look import GROUND_TEXTURES, Colour, Look, draw_look
+from sitl.sensors.look import GROUND_TEXTURES, Colour, Look, at_dusk, draw_look
+from sitl.sensors.picture import blurred
 
 PLAIN, DOUBLE_GATE, NO_GATE = "plain", "double gate", "no gate"
 FOG, BLUR = "fog", "blur"
@@ -42,17 +42,7 @@ def no_change(rng: np.random.Generator, look: Look) -> Look:  # noqa: ARG001
 
 def darkness(rng: np.random.Generator, look: Look) -> Look:
     """Let the night fall."""
-    share = float(rng.uniform(*DARKNESS))
-    return replace(
-        look,
-        cloudiness=look.cloudiness * share,
-        ambient=look.ambient * share,
-        diffuse=look.diffuse * share,
-        sky_zenith=_scaled(look.sky_zenith, share),
-        sky_horizon=_scaled(look.sky_horizon, share),
-        ground_light=_scaled(look.ground_light, share),
-        ground_dark=_scaled(look.ground_dark, share),
-    )
+    return at_dusk(look, float(rng.uniform(*DARKNESS)))
 
 
 def unseen_textures(rng: np.random.Generator, look: Look) -> Look:
@@ -103,8 +93,7 @@ def _render(camera: Camera, kind: str, seeds: list[int]) -> NDArray[np.uint8]:
     if kind == FOG:
         return _veil(image, camera.look, float(spoiling.uniform(*FOG_CLEAR)))
     if kind == BLUR:
-        std_px = float(spoiling.uniform(*BLUR_STD_PX))
-        return np.asarray(cv2.GaussianBlur(image, (0, 0), std_px), dtype=np.uint8)
+        return blurred(image, float(spoiling.uniform(*BLUR_STD_PX)))
     return image
 
 
@@ -133,7 +122,3 @@ def _gates(
         apart = float(rng.uniform(*APART_RAD))
         return gate(-apart, -apart), gate(apart, apart)
     return gate(azimuth, yaw), parked
-
-
-def _scaled(colour: Colour, share: float) -> Colour:
-    return (colour[0] * share, colour[1] * share, colour[2] * share)

@@ -29,7 +29,9 @@ class Camera:
         self._projection = pybullet.computeProjectionMatrixFOV(
             FIELD_OF_VIEW_DEG, 1.0, NEAR_M, FAR_M
         )
-        self._background = Background(_pixel_rays())
+        self._background = Background(_pixel_rays(SIZE_PX))
+        fine_rays = _pixel_rays(self._fine).reshape(3, self._fine, self._fine)
+        self._fine_norms = np.linalg.norm(fine_rays, axis=0)
         self._bodies = [self._add_gate() for _ in gates]
         self.look = look
         self.set_look(look)
@@ -104,8 +106,21 @@ class Camera:
         )
         pixels = rgba.view(np.uint32)  # one number a pixel: four times fewer to clear
         pixels *= (depth < 1.0)[..., None]  # where nothing was drawn
+        if self.look.fog_m < math.inf:
+            self._veil(rgba, depth)
         mean = cv2.resize(rgba, (SIZE_PX, SIZE_PX), interpolation=cv2.INTER_AREA)
         return mean[..., :3], mean[..., 3:]
+
+    def _veil(self, rgba: NDArray[np.uint8], depth: NDArray[np.float32]) -> None:
+        """Let the fog, which has the horizon's colour, cover gates the more the farther they are.
+
+        `depth` is OpenGL's, 0 at NEAR_M to 1 at FAR_M, along the camera's axis.
+        """
+        drawn = depth < 1.0
+        ahead_m = FAR_M * NEAR_M / (FAR_M - (FAR_M - NEAR_M) * depth[drawn])
+        clear = np.exp(-ahead_m * self._fine_norms[drawn] / self.look.fog_m)[:, None]
+        fog = 255.0 * np.array(self.look.sky_horizon)
+        rgba[drawn, :3] = np.rint(fog + (rgba[drawn, :3] - fog) * clear)
 
     def _add_gate(self) -> int:
         shape = pybullet.createVisualShapeArray(
@@ -120,9 +135,9 @@ class Camera:
         return body
 
 
-def _pixel_rays() -> NDArray[np.float32]:
+def _pixel_rays(size_px: int) -> NDArray[np.float32]:
     """Rays through the pixel centres, shape (3, H * W): FRD, unit forward component."""
     reach = math.tan(math.radians(FIELD_OF_VIEW_DEG) / 2.0)
-    steps = ((np.arange(SIZE_PX) + 0.5) / SIZE_PX * 2.0 - 1.0) * reach
+    steps = ((np.arange(size_px) + 0.5) / size_px * 2.0 - 1.0) * reach
     right, down = np.meshgrid(steps, steps)
     return np.stack([np.ones(right.size), right.ravel(), down.ravel()]).astype(np.float32)

@@ -1,12 +1,14 @@
 """What the world looks like on one day: light, sky, ground and gate colours, drawn by a seed."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 GROUND_TEXTURES = 24  # distinct seeded textures to draw from
 TEXTURE_SIZE = 256  # texels a side; textures tile
+LEAST_CONTRAST = 0.02  # that an eye still sees: it defines the visibility
 
 Colour = tuple[float, float, float]  # linear RGB, 0..1
 
@@ -28,7 +30,8 @@ class Look:
     ground_texture: int  # which of the seeded textures
     ground_scale_m: float  # side of one tile
     ground_turn_rad: float
-    haze_m: float  # distance at which contrast has fallen to 1/e
+    haze_m: float  # distance at which the contrast of the ground has fallen to 1/e
+    fog_m: float = math.inf  # and that of the gates
 
 
 def draw_look(rng: np.random.Generator) -> Look:
@@ -66,6 +69,29 @@ def draw_look(rng: np.random.Generator) -> Look:
     )
 
 
+def in_fog(look: Look, visibility_m: float) -> Look:
+    """Let fog come up, which takes 98 % of the contrast on that way (Koschmieder's visibility)."""
+    if math.isinf(visibility_m):
+        return look
+    fog_m = visibility_m / -math.log(LEAST_CONTRAST)
+    haze_m = 1.0 / (1.0 / look.haze_m + 1.0 / fog_m)
+    return replace(look, fog_m=fog_m, haze_m=haze_m, sky_zenith=look.sky_horizon, cloudiness=0.0)
+
+
+def at_dusk(look: Look, share: float) -> Look:
+    """Leave a share of the daylight, on everything."""
+    return replace(
+        look,
+        cloudiness=look.cloudiness * share,
+        ambient=look.ambient * share,
+        diffuse=look.diffuse * share,
+        sky_zenith=_scaled(look.sky_zenith, share),
+        sky_horizon=_scaled(look.sky_horizon, share),
+        ground_light=_scaled(look.ground_light, share),
+        ground_dark=_scaled(look.ground_dark, share),
+    )
+
+
 def make_texture(index: int) -> NDArray[np.float32]:
     """Make tileable fractal noise with shape (TEXTURE_SIZE, TEXTURE_SIZE), values in 0..1.
 
@@ -85,3 +111,7 @@ def make_texture(index: int) -> NDArray[np.float32]:
 def _colour(values: NDArray[np.float64]) -> Colour:
     red, green, blue = np.clip(values, 0.0, 1.0)
     return (float(red), float(green), float(blue))
+
+
+def _scaled(colour: Colour, share: float) -> Colour:
+    return (colour[0] * share, colour[1] * share, colour[2] * share)

@@ -7,7 +7,7 @@ References: Arnez et al. 2022 (radius and height noise), Bonatti et al. 2020 (ge
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -33,6 +33,7 @@ class Track:
     gates: tuple[Gate, ...]
     direction: Direction
     centre_ned: tuple[float, float, float]  # m
+    decoys: tuple[Gate, ...] = ()  # gates beside them that do not count
 
 
 def make_track(
@@ -79,6 +80,21 @@ def make_track(
         direction=direction,
         centre_ned=(centre_north, side * centre_east, -GATE_HEIGHT_M),
     )
+
+
+def with_decoys(track: Track, inwards_m: float) -> Track:
+    """Put a second gate beside each one: towards the middle of the course, or away from it.
+
+    Both face the same way and stand equally high. Inwards is right on the clockwise course.
+    """
+    side = inwards_m if track.direction == "cw" else -inwards_m  # m to the right
+    decoys = []
+    for gate in track.gates:
+        north, east, down = gate.centre_ned
+        north -= side * math.sin(gate.yaw_rad)
+        east += side * math.cos(gate.yaw_rad)
+        decoys.append(replace(gate, centre_ned=(north, east, down)))
+    return replace(track, decoys=tuple(decoys))
 
 
 def _check_noise(name: str, value: float, largest: float) -> None:

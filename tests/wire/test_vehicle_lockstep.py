@@ -26,7 +26,7 @@ class Truth(NamedTuple):
     payload: bytes
 
 
-def fly(vehicle: Vehicle, delays: np.random.Generator | None) -> list[Truth]:
+def fly(vehicle: Vehicle, delays: np.random.Generator | None, frames: int = FRAMES) -> list[Truth]:
     """Fly a fixed plan, answering each frame, some late; give the truth at every 20 ms."""
     api, truths = vehicle.api, []
     api.wait_for(is_from(100, "HEARTBEAT"))
@@ -35,7 +35,7 @@ def fly(vehicle: Vehicle, delays: np.random.Generator | None) -> list[Truth]:
     api.command(512, 269, target=(1, 100))
     uri = api.wait_for("VIDEO_STREAM_INFORMATION").uri
     with StreamViewer(uri) as viewer:
-        for number in range(FRAMES):
+        for number in range(frames):
             part = viewer.read()
             assert part.sequence == number  # none is missed, none comes before its answer
             if number > 0:  # the first was announced before we came
@@ -131,3 +131,17 @@ def test_time_runs_free_when_the_viewer_leaves() -> None:
             lambda m: m.get_type() == "ATTITUDE" and m.time_boot_ms >= first_ms + 1000
         )
         assert time.monotonic() - begun_s > 0.7  # real time, although --speed-factor is 0
+
+
+def test_a_late_camera_is_answered_by_the_stamps_of_its_frames() -> None:
+    flights = []
+    for delays in (None, np.random.default_rng(3)):
+        with Vehicle(
+            *("-q", "--lockstep", "--speed-factor=0", "--condition=camera.latency_s=0.1")
+        ) as vehicle:
+            flights.append(fly(vehicle, delays, frames=60))
+    first, other = flights
+    assert first == other
+    stamps = [truth.time_us for truth in first]
+    delivered_us = 59 * 50_000 + 100_000  # and the telemetry is of that moment
+    assert delivered_us - TRUTH_US < stamps[-1] <= delivered_us
