@@ -1,0 +1,75 @@
+import pytest
+
+from flightstack.errors import UsageError
+from flightstack.evaluation.ladder import CLIMB, known_rungs, load_rung, parse_rung
+from sitl.options import parse
+
+FOG = """
+about = "fog"
+noise_m = [1.5, 3]
+direction = "ccw"
+command_factor = 1.6
+
+[conditions.light]
+fog_visibility_m = 12.0
+
+[conditions.wind]
+mean_ned_m_s = [3, 0, -0.5]
+"""
+
+
+def test_the_ladder_has_its_rungs_in_order() -> None:
+    assert known_rungs() == list(CLIMB)
+
+
+@pytest.mark.parametrize("name", CLIMB)
+def test_the_vehicle_understands_every_rung(name: str) -> None:
+    rung, condition = load_rung(name)
+    assert condition.name == name
+    assert rung.about
+    parse(condition.vehicle_options, {})
+
+
+def test_a_rung_says_what_the_vehicle_is_told() -> None:
+    rung, condition = parse_rung("bad-day", FOG)
+    assert (rung.about, condition.noise_m, condition.direction) == ("fog", (1.5, 3.0), "ccw")
+    assert condition.command_factor == 1.6
+    told = parse(condition.vehicle_options, {}).conditions
+    assert told.light.fog_visibility_m == 12.0
+    assert told.wind.mean_ned_m_s == (3.0, 0.0, -0.5)
+
+
+def test_a_rung_of_ones_own_is_named_by_its_path(tmp_path) -> None:
+    file = tmp_path / "bad-day.toml"
+    file.write_text(FOG)
+    _, condition = load_rung(str(file))
+    assert condition.name == "bad-day"
+
+
+@pytest.mark.parametrize(
+    ("text", "fragments"),
+    [
+        ("about = 1\nnoise_m = [1.0, 2.0]", ["about", "str"]),
+        ('about = ""', ["noise_m", "missing"]),
+        ('about = ""\nnoise_m = [1.0]', ["noise_m", "two numbers"]),
+        ('about = ""\nnoise_m = [1.0, 2.0]\ndirection = "up"', ["direction", "'cw'"]),
+        ('about = ""\nnoise_m = [1.0, -2.0]', ["noise_m", "from 0"]),
+        ('about = ""\nnoise_m = [1.0, 2.0]\ncommand_factor = 0.0', ["above 0"]),
+        ('about = ""\nnoise_m = [1.0, 2.0]\nspeed = 2', ["unknown key 'speed'"]),
+        ('about = ""\nnoise_m = [1.0, 2.0]\n[conditions.sea]', ["unknown table 'sea'", "wind"]),
+        ("about =", ["Invalid value"]),
+    ],
+)
+def test_a_wrong_rung_is_one_line(text: str, fragments: list[str]) -> None:
+    with pytest.raises(UsageError) as refusal:
+        parse_rung("bad-day", text)
+    message = str(refusal.value)
+    assert message.startswith("rung bad-day")
+    assert "\n" not in message
+    assert all(fragment in message for fragment in fragments)
+
+
+@pytest.mark.parametrize("name", ["sea", "sea.toml"])
+def test_an_unknown_rung_names_the_known_ones(name: str) -> None:
+    with pytest.raises(UsageError, match=r"unknown rung 'sea.*level-1, level-2"):
+        load_rung(name)
