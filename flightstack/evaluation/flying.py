@@ -1,0 +1,113 @@
+"""Fly the trials of an experiment in parallel, and keep a row of each."""
+
+import atexit
+import functools
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from joblib import Parallel, delayed
+from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+from flightstack import models
+from flightstack.errors import FlightstackError, ModelError
+from flightstack.evaluation import ray_backend
+from flightstack.evaluation.experiment import Experiment, Trial
+from flightstack.evaluation.flights.flight import Flown, Launcher
+from flightstack.evaluation.flights.reading import Provenance
+from flightstack.evaluation.folder import Folder
+from flightstack.evaluation.progress import Progress
+from flightstack.evaluation.rows import TrialRow
+from flightstack.evaluation.version import commit
+
+LOKY, RAY = "loky", "ray"
+WORKER_DEATHS = 3
+
+
+class UnflownError(FlightstackError):
+    """Some trials died in every attempt: their rows are missing."""
+
+
+def weights_of(experiment: Experiment) -> dict[str, str]:
+    """Hash the weights of every model; raises ModelError where one is unknown or damaged."""
+    return {row.model: _checked_sha256(row.model) for row in experiment.rows}
+
+
+def fly(
+    experiment: Experiment, folder: Folder, *, jobs: int, backend: str = LOKY, keep_logs: bool
+) -> list[TrialRow]:
+    """Fly all trials that the folder lacks; returns all rows, which do not depend on `jobs`.
+
+    Raises UnflownError after all others are flown, where trials died in every attempt.
+    """
+    weights = weights_of(experiment)
+    version = commit()
+    dead: list[Flown] = []
+    with folder.locked(), Progress(len(folder.missing), len(folder.rows)) as progress:
+        for _ in range(WORKER_DEATHS):
+            given_up = {flown.trial.key for flown in dead}
+            trials = [trial for trial in folder.missing if trial.key not in given_up]
+            orders = ((trial, _provenance(experiment, trial, weights, version)) for trial in trials)
+            try:
+                for flown in _in_parallel(orders, jobs, backend, keep_logs=keep_logs):
+                    folder.keep(flown)
+                    progress.note(flown)
+                    if flown.row is None:
+                        dead.append(flown)
+            except TerminatedWorkerError:
+                progress.say("a worker process died: its trials are flown again")
+                continue
+            break
+        folder.tidy()
+    if folder.missing:
+        raise UnflownError(
+            f"{len(folder.missing)} trials died in every attempt, such as {folder.missing[0]} "
+            f"(see {folder.path / 'times.csv'}): run the same command again"
+        )
+    return folder.rows
+
+
+def _in_parallel(
+    orders: Iterable[tuple[Trial, Provenance]], jobs: int, backend: str, *, keep_logs: bool
+) -> Iterator[Flown]:
+    settings: dict[str, Any] = {"n_jobs": jobs, "batch_size": 1, "pre_dispatch": "2*n_jobs"}
+    if backend == RAY:
+        ray_backend.register()
+        settings |= {"backend": ray_backend.NAME}
+    parallel = Parallel(return_as="generator_unordered", **settings)
+    flown: Iterator[Flown] = parallel(
+        delayed(_fly_one)(trial, provenance, keep_logs) for trial, provenance in orders
+    )
+    return flown
+
+
+def _fly_one(trial: Trial, provenance: Provenance, keep_log: bool) -> Flown:  # noqa: FBT001
+    return _launcher().fly(trial, provenance, keep_log=keep_log)
+
+
+@functools.cache
+def _launcher() -> Launcher:
+    """Return this worker's own."""
+    launcher = Launcher()
+    atexit.register(launcher.close)
+    return launcher
+
+
+def _provenance(
+    experiment: Experiment, trial: Trial, weights: dict[str, str], version: str
+) -> Provenance:
+    return Provenance(
+        experiment=experiment.name, commit=version, weights_sha256=weights[trial.row.model]
+    )
+
+
+def _checked_sha256(name: str) -> str:
+    folder = models.find(name)
+    recorded = models.read_config(folder / models.CONFIG_FILE).weights_sha256
+    path = folder / models.WEIGHTS_FILE
+    try:
+        found = models.file_sha256(path)
+    except OSError as error:
+        raise ModelError(f"{path} cannot be read: {error.strerror}") from error
+    if found != recorded:
+        raise ModelError(f"{path} is damaged: its hash is not what {models.CONFIG_FILE} records")
+    return recorded
