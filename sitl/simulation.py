@@ -186,7 +186,7 @@ class Simulation:
         if self.parameters.version != self._parameters_version:
             self._load()
         self._sensors.battery.advance(TICK_US, self._pack, armed=self.autopilot.armed)
-        self.readings = self._sensors.update(self.state, self._pack)
+        self.readings = self._sensors.update(self.state, self._pack, shaken=self.autopilot.armed)
         self.estimate = self._estimator.update(self.state, self.readings)
 
     def _load(self) -> None:

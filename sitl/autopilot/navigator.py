@@ -7,12 +7,13 @@ import math
 from math import isnan
 from typing import NamedTuple
 
+from sitl.autopilot.heading import Heading
 from sitl.autopilot.mission import Leg, MissionFlight
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.return_home import Phase, ReturnHome
 from sitl.autopilot.setpoint import Setpoint
-from sitl.autopilot.trajectory import TICK_S, Agility, Trajectory
-from sitl.frames import wrap_pi, yaw_of
+from sitl.autopilot.trajectory import Agility, Trajectory
+from sitl.frames import yaw_of
 from sitl.modes import Mode
 from sitl.records import Estimate, Vector3
 
@@ -43,7 +44,7 @@ class Navigator:
         self._stopped = True  # the place is held; until then only the speed is
         self._goal = Goal()
         self._home_ned = ORIGIN
-        self._yaw_rad = 0.0
+        self._heading = Heading(parameters)
         self._return_home = ReturnHome(parameters)
         self.load(parameters)
 
@@ -59,7 +60,7 @@ class Navigator:
         self._agility_z = Agility(
             min(p["MPC_ACC_UP_MAX"], p["MPC_ACC_DOWN_MAX"]), p["MPC_JERK_AUTO"]
         )
-        self._yaw_step = math.radians(p["MPC_YAWRAUTO_MAX"]) * TICK_S
+        self._heading.load(p)
         self._altitude_radius = p["NAV_MC_ALT_RAD"]
         self._return_home.load(parameters)
 
@@ -79,7 +80,7 @@ class Navigator:
         self._stopped = False
         self._mode, self._goal, self._home_ned = mode, goal, home_ned
         self._leg, self._speed = Leg(), goal.speed_m_s
-        self._yaw_rad = yaw_of(estimate.q_ned_frd)
+        self._heading.start(yaw_of(estimate.q_ned_frd))
         if mode is Mode.RTL:
             self._return_home.start(estimate.position_ned, home_ned)
 
@@ -106,7 +107,9 @@ class Navigator:
         self._trajectory.relocate(estimate.position_ned)
         self._stopped = True
         return Setpoint(
-            position_ned=estimate.position_ned, velocity_ned=ORIGIN, yaw_rad=self._yaw_rad
+            position_ned=estimate.position_ned,
+            velocity_ned=ORIGIN,
+            yaw_rad=self._heading.yaw_rad,
         )
 
     def advance(self, estimate: Estimate) -> Setpoint:
@@ -187,14 +190,11 @@ class Navigator:
         return self._land_speed + share * (self._down - self._land_speed)
 
     def _turn(self, estimate: Estimate, target: Vector3) -> tuple[float, float]:
-        """Turn towards a distant target, or to the goal's heading, at no more than the limit."""
-        wanted = self._goal.yaw_rad
+        """Turn towards a distant target, or to the goal's heading; else come to rest."""
+        heading, wanted = self._heading, self._goal.yaw_rad
         if isnan(wanted):
             x, y = target[0] - estimate.position_ned[0], target[1] - estimate.position_ned[1]
-            if not math.hypot(x, y) > HEADING_RADIUS_M:
-                return self._yaw_rad, 0.0
-            wanted = math.atan2(y, x)
-        left = wrap_pi(wanted - self._yaw_rad)
-        step = min(max(left, -self._yaw_step), self._yaw_step)
-        self._yaw_rad = wrap_pi(self._yaw_rad + step)
-        return self._yaw_rad, step / TICK_S
+            far = math.hypot(x, y) > HEADING_RADIUS_M
+            wanted = math.atan2(y, x) if far else heading.rest_rad
+        heading.turn(wanted)
+        return heading.yaw_rad, heading.rate_rad_s

@@ -2,12 +2,14 @@
 
 from math import isnan
 
+from sitl.autopilot.heading import Heading
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.setpoint import Setpoint
-from sitl.clock import SECOND_US
+from sitl.clock import SECOND_US, TICK_US
 from sitl.vehicle_records import AttitudeTarget, OffboardSetpoint
 
 LAST_GOOD_US = 200_000  # PX4 keeps the last good setpoint this long before it stops
+LATENCY_US = 4_000  # PX4 was seen to act on a message after 1 to 16 ms; a tick waits as well
 STOP = Setpoint(velocity_ned=(0.0, 0.0, 0.0))
 
 
@@ -17,6 +19,9 @@ class OffboardStream:
     def __init__(self, parameters: Parameters) -> None:
         self._newest_us: int | None = None
         self._good = STOP
+        self._next: tuple[int, Setpoint] | None = None  # when it takes effect
+        self._heading = Heading(parameters)
+        self._turned_us = -1  # when the heading was last led
         self._stop_at_us: int | None = None  # where the newest can't be flown
         self._held_yaw_rad: float | None = None
         self.attitude: AttitudeTarget | None = None  # the newest, if it asks for that
@@ -24,6 +29,7 @@ class OffboardStream:
 
     def load(self, parameters: Parameters) -> None:
         """Take the timeout from the parameters."""
+        self._heading.load(parameters)
         self._timeout_us = round(parameters["COM_OF_LOSS_T"] * SECOND_US)
 
     def receive(self, setpoint: OffboardSetpoint) -> None:
@@ -31,12 +37,17 @@ class OffboardStream:
         self._newest_us, self.attitude = setpoint.time_us, None
         if _is_complete(setpoint):
             self._stop_at_us = None
-            self._good = Setpoint(
-                setpoint.position_ned,
-                setpoint.velocity_ned,
-                setpoint.acceleration_ned,
-                setpoint.yaw_rad,
-                setpoint.yaw_rate_rad_s,
+            if self._next is not None:
+                self._good = self._next[1]
+            self._next = (
+                setpoint.time_us + LATENCY_US,
+                Setpoint(
+                    setpoint.position_ned,
+                    setpoint.velocity_ned,
+                    setpoint.acceleration_ned,
+                    setpoint.yaw_rad,
+                    setpoint.yaw_rate_rad_s,
+                ),
             )
         elif self._stop_at_us is None:
             self._stop_at_us = setpoint.time_us + LAST_GOOD_US
@@ -44,7 +55,7 @@ class OffboardStream:
     def receive_attitude(self, setpoint: AttitudeTarget) -> None:
         """Take a setpoint in that asks for an attitude or body rates instead of motion."""
         self._newest_us, self.attitude = setpoint.time_us, setpoint
-        self._good, self._stop_at_us = STOP, None
+        self._good, self._next, self._stop_at_us = STOP, None, None
 
     @property
     def by_attitude(self) -> bool:
@@ -65,15 +76,27 @@ class OffboardStream:
 
         Where neither yaw nor yaw rate is asked for, the heading at that moment is held.
         """
-        good = self._flyable(time_us)
-        if not (isnan(good.yaw_rad) and isnan(good.yaw_rate_rad_s)):
+        good, heading = self._flyable(time_us), self._heading
+        if time_us - self._turned_us != TICK_US:
+            heading.start(yaw_rad)
+        self._turned_us = time_us
+        if not isnan(good.yaw_rate_rad_s):
             self._held_yaw_rad = None
+            heading.start(yaw_rad)
             return good
-        if self._held_yaw_rad is None:
-            self._held_yaw_rad = yaw_rad
-        return good._replace(yaw_rad=self._held_yaw_rad)
+        wanted = good.yaw_rad
+        if isnan(wanted):
+            if self._held_yaw_rad is None:
+                self._held_yaw_rad = yaw_rad
+            wanted = self._held_yaw_rad
+        else:
+            self._held_yaw_rad = None
+        heading.follow(wanted)
+        return good._replace(yaw_rad=heading.yaw_rad, yaw_rate_rad_s=heading.rate_rad_s)
 
     def _flyable(self, time_us: int) -> Setpoint:
+        if self._next is not None and time_us >= self._next[0]:
+            self._good, self._next = self._next[1], None
         return self._good if self._stop_at_us is None or time_us < self._stop_at_us else STOP
 
 

@@ -36,9 +36,9 @@ class Process(NamedTuple):
         return self.std * math.sqrt(1.0 - self.decay**2)
 
 
-VELOCITY_XY = Process(0.04, 3.0)  # m/s
+VELOCITY_XY = Process(0.06, 2.0)  # m/s
 VELOCITY_Z = Process(0.02, 3.0)
-PULL_XY_S, PULL_Z_S = 8.0, 10.0  # time constants by which aiding pulls the position back
+PULL_XY_S, PULL_Z_S = 6.0, 10.0  # time constants by which aiding pulls the position back
 TILT = Process(math.radians(0.15), 5.0)
 HEADING = Process(math.radians(1.0), 30.0)
 HEADING_WALK = math.radians(0.05) * math.sqrt(TICK_S)  # without magnetometer: 0.4 deg in a minute

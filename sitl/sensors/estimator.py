@@ -9,6 +9,7 @@ import numpy as np
 
 from sitl.records import Estimate, Readings, Vector3, VehicleState
 from sitl.sensors.drift import Drift
+from sitl.sensors.gyro_filter import GyroFilter
 from sitl.sensors.noise import normals
 
 ATTITUDE_VALID_US = 200_000  # assumption: tilt alignment of a still vehicle
@@ -38,7 +39,7 @@ class PerfectEstimator:
 class Estimator:
     """Turns the true state and the sensors' readings into what the autopilot believes.
 
-    It is one tick late, and has learnt the inertial unit's biases.
+    It is one tick late, smooths the body rates, and has learnt the inertial unit's biases.
     """
 
     def __init__(
@@ -46,6 +47,7 @@ class Estimator:
     ) -> None:
         self._gyro_bias, self._accelerometer_bias = gyro_bias_frd, accelerometer_bias_frd
         self._drift = Drift(normals(rng))
+        self._gyro_filter = GyroFilter()
         self._validity = _Validity(aligned=False)
         self._located = True
         self._previous: tuple[VehicleState, Readings] | None = None
@@ -54,6 +56,7 @@ class Estimator:
         """Be aligned at once, and forget the last tick: the vehicle has been put elsewhere."""
         self._validity.aligned = True
         self._previous = None
+        self._gyro_filter.restart()
 
     def update(self, state: VehicleState, readings: Readings) -> Estimate:
         """Estimate the state at `state.time_us`."""
@@ -74,7 +77,7 @@ class Estimator:
             _add(seen.position_ned, drift.position_ned),
             _add(seen.velocity_ned, drift.velocity_ned),
             drift.turn(seen.q_ned_frd),
-            _subtract(sensed.rates_frd, self._gyro_bias),
+            _subtract(self._gyro_filter.update(sensed.rates_frd), self._gyro_bias),
             _subtract(sensed.specific_force_frd, self._accelerometer_bias),
             *flags,
             sensors,

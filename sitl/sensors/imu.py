@@ -8,8 +8,12 @@ from sitl.records import Vector3, VehicleState
 from sitl.sensors.noise import normal_vector, normals
 
 # Per sample at 250 Hz. Source: PX4-gazebo-models, models/x500_base/model.sdf.
-GYRO_STD_RAD_S = 0.0008726646
+GYRO_STD_RAD_S = (0.0008726646, 0.0008726646, 0.0008726646)
 ACCELEROMETER_STD_M_S2 = (0.00637, 0.00637, 0.00686)
+# The same while rotors turn and shake the unit, along FRD. Source: PX4's SIH, which has them from
+# Bulka and Nahon, "Autonomous fixed-wing aerobatics: from theory to flight" (ICRA 2018).
+SHAKEN_GYRO_STD_RAD_S = (0.14, 0.07, 0.03)
+SHAKEN_ACCELEROMETER_STD_M_S2 = (0.5, 1.7, 1.4)
 # Assumption: what a calibration leaves over; PX4 warns above 0.4 rad/s and 0.4 m/s2 per axis.
 GYRO_BIAS_STD_RAD_S = 0.002
 ACCELEROMETER_BIAS_STD_M_S2 = 0.02
@@ -30,19 +34,20 @@ class Imu:
         self.accelerometer_bias_frd = normal_vector(rng, ACCELEROMETER_BIAS_STD_M_S2)
         self._noise = normals(rng)
 
-    def read(self, state: VehicleState) -> ImuReading:
-        """Sample now."""
+    def read(self, state: VehicleState, *, shaken: bool = False) -> ImuReading:
+        """Sample now; turning rotors shake the unit."""
         p, q, r = state.rates_frd
         fx, fy, fz = state.specific_force_frd
         bp, bq, br = self.gyro_bias_frd
         bx, by, bz = self.accelerometer_bias_frd
-        sx, sy, sz = ACCELEROMETER_STD_M_S2
-        noise, gyro = self._noise, GYRO_STD_RAD_S
+        sx, sy, sz = SHAKEN_ACCELEROMETER_STD_M_S2 if shaken else ACCELEROMETER_STD_M_S2
+        sp, sq, sr = SHAKEN_GYRO_STD_RAD_S if shaken else GYRO_STD_RAD_S
+        noise = self._noise
         return ImuReading(
             (
-                p + bp + gyro * next(noise),
-                q + bq + gyro * next(noise),
-                r + br + gyro * next(noise),
+                p + bp + sp * next(noise),
+                q + bq + sq * next(noise),
+                r + br + sr * next(noise),
             ),
             (
                 fx + bx + sx * next(noise),

@@ -61,10 +61,10 @@ class Sensors:
             )
         self._health = self._judge(time_us)
 
-    def update(self, state: VehicleState, pack: Pack = PACK) -> Readings:
-        """Sample what is due at the state's time."""
+    def update(self, state: VehicleState, pack: Pack = PACK, *, shaken: bool = False) -> Readings:
+        """Sample what is due at the state's time; turning rotors shake the inertial unit."""
         time_us = state.time_us
-        rates, force = self.imu.read(state)
+        rates, force = self.imu.read(state, shaken=shaken)
         if self._faults:
             self._health = self._judge(time_us)
             rates = self._vector(FailureUnit.GYRO, rates, self._rates, time_us)

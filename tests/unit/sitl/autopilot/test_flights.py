@@ -200,12 +200,11 @@ def test_yaw_setpoint_is_reached_without_drifting_off(flight):
     flight.place((0.0, 0.0, -5.0))
     flight.send(velocity_ned=ZERO, yaw_rad=math.radians(50.0))
     furthest = 0.0
-    for _ in range(1000):
+    for _ in range(1500):
         flight.step()
         furthest = max(furthest, flight.autopilot.yaw_rad)
     assert flight.autopilot.yaw_rad == pytest.approx(math.radians(50.0), abs=0.02)
-    # PX4's yaw gains on a rigid body overshoot by a fifth; the real one was seen to do less.
-    assert furthest < math.radians(60.0)
+    assert furthest < math.radians(53.0)  # as PX4 was seen to
     assert math.hypot(*flight.estimate.position_ned[:2]) < 0.6
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from sitl.autopilot.hover_thrust import HoverThrust
 from sitl.autopilot.land_detector import LandDetector
-from sitl.autopilot.offboard import OffboardStream
+from sitl.autopilot.offboard import LATENCY_US, OffboardStream
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.return_home import Phase, ReturnHome
 from sitl.autopilot.takeoff import Stage, Takeoff
@@ -171,14 +171,15 @@ def test_heading_is_held_from_the_moment_nobody_asks_for_one(parameters):
     assert stream.setpoint(0, 0.4).yaw_rad == 0.4
     assert stream.setpoint(4000, 0.9).yaw_rad == 0.4
     stream.receive(OffboardSetpoint(time_us=8000, velocity_ned=ZERO, yaw_rate_rad_s=0.1))
-    assert math.isnan(stream.setpoint(8000, 0.9).yaw_rad)
+    assert stream.setpoint(8000, 0.9).yaw_rad == 0.4  # it takes a tick to act
+    assert math.isnan(stream.setpoint(12000, 0.9).yaw_rad)
 
 
 def test_climbing_setpoints_ask_for_a_take_off(parameters):
     stream = OffboardStream(parameters)
     assert not stream.wants_climb(0, 0.0)
     stream.receive(OffboardSetpoint(time_us=0, velocity_ned=(0.0, 0.0, -0.5), yaw_rad=0.0))
-    assert stream.wants_climb(0, 0.0)
+    assert stream.wants_climb(LATENCY_US, 0.0)
     stream.receive(OffboardSetpoint(time_us=0, position_ned=(0.0, 0.0, -2.0), yaw_rad=0.0))
-    assert stream.wants_climb(0, 0.0)
-    assert not stream.wants_climb(0, -3.0)
+    assert stream.wants_climb(LATENCY_US, 0.0)
+    assert not stream.wants_climb(LATENCY_US, -3.0)

@@ -1,4 +1,4 @@
-"""Offboard velocity steps fall where a real PX4's do.
+"""Without noise, offboard velocity steps fall where a real PX4's do; with noise, see `sitl/`.
 
 The bands were measured on PX4 1.17's SIH quadrotor with a drag of 0.1 N/(m/s) per kg, min..max of 4
 (horizontal), 2 (vertical) and 6 (yaw) runs, and are widened by 15 % of their ends.

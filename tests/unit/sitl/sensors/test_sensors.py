@@ -44,6 +44,15 @@ def test_inertial_unit_has_noise_and_a_bias():
     assert 0.0 < max(map(abs, unit.gyro_bias_frd)) < 5 * imu.GYRO_BIAS_STD_RAD_S
 
 
+def test_turning_rotors_shake_the_inertial_unit():
+    unit = imu.Imu(rng())
+    readings = [unit.read(STATE, shaken=True) for _ in range(COUNT)]
+    _, std = spread([reading.rates_frd for reading in readings])
+    assert std == pytest.approx(imu.SHAKEN_GYRO_STD_RAD_S, rel=FIVE_SIGMA)
+    _, std = spread([reading.specific_force_frd for reading in readings])
+    assert std == pytest.approx(imu.SHAKEN_ACCELEROMETER_STD_M_S2, rel=FIVE_SIGMA)
+
+
 def test_receiver_has_white_velocity_noise_and_a_wandering_position():
     receiver = gps.Gps(rng())
     readings = [receiver.read(STATE) for _ in range(COUNT)]

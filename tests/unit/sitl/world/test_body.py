@@ -81,7 +81,7 @@ def test_thrust_pushes_along_the_body_axis_in_any_attitude(bench, euler):
 def test_torques_turn_the_body_the_right_way_in_any_attitude(bench, axis, signs, euler):
     bench.put(q=quaternion_from_euler(*euler))
     motors = tuple(HOVER + 0.05 * sign for sign in signs)
-    rates = bench.run(motors, ticks=5).rates_frd
+    rates = bench.run(motors, ticks=10).rates_frd
     assert rates[axis] > 0.005
     assert max(abs(rates[other]) for other in range(3) if other != axis) < 0.01 * rates[axis]
 
@@ -89,22 +89,22 @@ def test_torques_turn_the_body_the_right_way_in_any_attitude(bench, axis, signs,
 def test_roll_acceleration_is_torque_over_inertia(bench):
     bench.put()
     motors = (HOVER - 0.05, HOVER + 0.05, HOVER + 0.05, HOVER - 0.05)
-    bench.run(motors, ticks=50)  # the rotors are there
+    bench.run(motors, ticks=120)  # the rotors are there
     before = bench.body.state(0).rates_frd[0]
     after = bench.run(motors).rates_frd[0]
     torque = 4 * 0.05 * X500.max_thrust_n * 0.174 - 0.025 * before
     assert (after - before) / TICK_S == pytest.approx(torque / 0.0217, rel=0.01)
 
 
-def test_rotors_speed_up_faster_than_they_slow_down(bench):
+def test_rotors_follow_with_a_lag_each_way(bench):
     bench.put(thrust=0.25)
     bench.run((1.0,) * 4, ticks=3)  # 12 ms
     up = bench.body.rotor_speeds_rad_s[0]
-    assert up == pytest.approx(1000.0 - 500.0 * math.exp(-0.012 / 0.0125))
+    assert up == pytest.approx(1000.0 - 500.0 * math.exp(-0.012 / 0.05))
     bench.put(thrust=1.0)
     bench.run((0.25,) * 4, ticks=3)
     down = bench.body.rotor_speeds_rad_s[0]
-    assert down == pytest.approx(500.0 + 500.0 * math.exp(-0.012 / 0.025))
+    assert down == pytest.approx(500.0 + 500.0 * math.exp(-0.012 / 0.05))
 
 
 def test_thrust_is_linear_in_the_command(bench):
