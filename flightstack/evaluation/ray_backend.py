@@ -19,7 +19,7 @@ def register() -> None:
     except ImportError as error:
         raise UsageError("--backend ray needs Ray: pip install 'flightstack[ray]'") from error
 
-    class StreamingRay(RayBackend):  # type: ignore[misc]
+    class StreamingRay(RayBackend):
         """Hands over each trial as it lands, which joblib allows only where this is said."""
 
         supports_return_generator = True

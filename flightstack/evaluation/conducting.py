@@ -1,0 +1,50 @@
+"""Conduct an experiment as a command asks: fly what is missing, write the results, print them."""
+
+import argparse
+from collections.abc import Callable, Sequence
+
+from rich.console import Console
+from rich.markdown import Markdown
+
+from flightstack.errors import UsageError
+from flightstack.evaluation import results
+from flightstack.evaluation.experiment import Experiment
+from flightstack.evaluation.flying import fly, weights_of
+from flightstack.evaluation.folder import ROWS, Folder
+from flightstack.evaluation.options import jobs_of
+from flightstack.evaluation.rows import TrialRow, read_rows
+from flightstack.evaluation.summary import Pair, Summary, summarise
+
+SHOWN = 2  # sections on the terminal: the title and the first table
+
+
+def conduct(
+    experiment: Experiment,
+    options: argparse.Namespace,
+    sections: Callable[[Summary], list[str]],
+    pairs: Sequence[Pair] | None = None,
+) -> Summary:
+    """Fly and sum up; `pairs` are the rows whose differences are told, all where it is None.
+
+    Raises UsageError, ModelError, or UnflownError where trials died in every attempt.
+    """
+    summary = summarise(_rows(experiment, options), pairs)
+    written = sections(summary)
+    results.write(options.out, summary, written)
+    console = Console(highlight=False)
+    console.print(Markdown("\n".join(written[:SHOWN])))
+    console.print(f"wrote {options.out / results.MARKDOWN_FILE}", soft_wrap=True, markup=False)
+    return summary
+
+
+def _rows(experiment: Experiment, options: argparse.Namespace) -> list[TrialRow]:
+    if options.report_only:
+        rows = read_rows(options.out / ROWS)
+        if not rows:
+            raise UsageError(f"{options.out / ROWS} holds no trial yet")
+        return rows
+    jobs = jobs_of(options)
+    if jobs == 0 or jobs < -1:
+        raise UsageError(f"--jobs must be 1 or more, got {jobs}")
+    folder = Folder(options.out, experiment, weights_of(experiment))
+    return fly(experiment, folder, jobs=jobs, backend=options.backend, keep_logs=options.keep_logs)

@@ -1,0 +1,28 @@
+"""The options that every command shares which flies trials."""
+
+import argparse
+import os
+from pathlib import Path
+
+FIRST_TRACK = 1000
+
+
+def add_flying_options(parser: argparse.ArgumentParser, *, tracks: int = 50) -> None:
+    """Describe them; `tracks` is how many where the user names none."""
+    add = parser.add_argument
+    add("--tracks", type=int, default=tracks, metavar="N", help=f"(default: {tracks})")
+    add("--trials", type=int, default=1, metavar="K", help="on each track (default: 1)")
+    add("--seeds", type=int, default=FIRST_TRACK, metavar="FIRST", help="of the tracks (1000)")
+    add("--laps", type=int, default=4, metavar="N", help="of 8 gates (default: 4)")
+    add("--jobs", type=int, metavar="N", help="flights at once (default: one a core)")
+    add("--backend", choices=("loky", "ray"), default="loky", help="(default: loky)")
+    add("--out", type=Path, required=True, metavar="DIR", help="folder of rows and results")
+    add("--keep-logs", action="store_true", help="keep the companion's tlog of each trial")
+    add("--report-only", action="store_true", help="make the results anew from DIR's rows")
+
+
+def jobs_of(options: argparse.Namespace) -> int:
+    """How many flights at once: on a Ray cluster all that it can."""
+    if options.jobs is not None:
+        return int(options.jobs)
+    return -1 if options.backend == "ray" else len(os.sched_getaffinity(0))
