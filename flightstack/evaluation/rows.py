@@ -41,6 +41,7 @@ class TrialRow:
     failure: str  # in the referee's words
     duration_s: float  # vehicle time from the first decision to the end
     mean_speed_m_s: float
+    command_vx_m_s: float  # the decisions' mean
     aleatoric_vx: float
     aleatoric_vy: float
     aleatoric_vz: float

@@ -27,6 +27,7 @@ OUTCOMES = {  # the companion's words; others stay as they are
     "collision": COLLISION,
     "timeout": TIMEOUT,
 }
+VX = VELOCITIES.index("vx")
 REFEREED = (MISSED, COLLISION)
 
 
@@ -88,11 +89,13 @@ def _figures(log: Log, decisions: Decisions) -> dict[str, float]:
     """Average over the decisions; not a number where there was none."""
     if not len(decisions):
         names = [f"{part}_{velocity}" for part in PARTS for velocity in VELOCITIES]
-        return dict.fromkeys(["mean_speed_m_s", *names, "multimodal_share"], float("nan"))
+        names += ["mean_speed_m_s", "command_vx_m_s", "multimodal_share"]
+        return dict.fromkeys(names, float("nan"))
     stamps_us = decisions.stamp_us
     flown = speeds(log, int(stamps_us[0]), int(stamps_us[-1]))
     figures = {
         "mean_speed_m_s": float(flown.mean()) if len(flown) else float("nan"),
+        "command_vx_m_s": float(decisions.command[:, VX].mean()),
         "multimodal_share": float((decisions.modes > 1).any(axis=1).mean()),
     }
     for part in PARTS:
