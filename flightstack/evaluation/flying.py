@@ -51,7 +51,7 @@ def fly(
                 for flown in _in_parallel(orders, jobs, backend, keep_logs=keep_logs):
                     folder.keep(flown)
                     progress.note(flown)
-                    if flown.row is None:
+                    if flown.landed is None:
                         dead.append(flown)
             except TerminatedWorkerError:
                 progress.say("a worker process died: its trials are flown again")

@@ -22,7 +22,7 @@ from flightstack.evaluation.rows import TrialRow, header_line, read_rows, to_lin
 
 ASKED, ROWS, TIMES = "experiment.json", "trials.csv", "times.csv"
 TRACES, LOGS = "traces", "logs"
-TIME_COLUMNS = ("trial", "wall_s", "deaths")
+TIME_COLUMNS = ("trial", "wall_s", "flight_s", "simulated_s", "deaths")
 
 
 class Folder:
@@ -84,15 +84,16 @@ class Folder:
 
     def keep(self, flown: Flown) -> None:
         """Write what came of a trial: its row last, so that a row stands for all of it."""
-        if flown.trace is not None:
-            flown.trace.save(self.path / TRACES / f"{flown.trial}.npz")
-        if flown.log is not None:
-            (self.path / LOGS).mkdir(exist_ok=True)
-            (self.path / LOGS / f"{flown.trial}.tlog").write_bytes(flown.log)
         self._note_times(flown)
-        if flown.row is not None:
-            _append(self.path / ROWS, to_line(flown.row))
-            self._flown[flown.row.key] = flown.row
+        landed = flown.landed
+        if landed is None:
+            return
+        landed.trace.save(self.path / TRACES / f"{flown.trial}.npz")
+        if landed.log is not None:
+            (self.path / LOGS).mkdir(exist_ok=True)
+            (self.path / LOGS / f"{flown.trial}.tlog").write_bytes(landed.log)
+        _append(self.path / ROWS, to_line(landed.row))
+        self._flown[landed.row.key] = landed.row
 
     def tidy(self) -> None:
         """Write the rows anew, in order."""
@@ -105,7 +106,14 @@ class Folder:
             lines = csv.writer(file, lineterminator="\n")
             if is_new:
                 lines.writerow(TIME_COLUMNS)
-            lines.writerow([str(flown.trial), f"{flown.wall_s:.3f}", "; ".join(flown.deaths)])
+            landed = flown.landed
+            times = (
+                (flown.wall_s, 0.0, 0.0)
+                if landed is None
+                else (flown.wall_s, landed.flight_s, landed.simulated_s)
+            )
+            texts = (f"{time_s:.3f}" for time_s in times)
+            lines.writerow([str(flown.trial), *texts, "; ".join(flown.deaths)])
 
 
 def _check_same(path: Path, asked: dict[str, Any]) -> None:

@@ -66,7 +66,7 @@ class Progress:
     def note(self, flown: Flown) -> None:
         """Count a trial; tell of each time it died."""
         for death in flown.deaths:
-            again = "flown again" if flown.row is not None else "given up"
+            again = "flown again" if flown.landed is not None else "given up"
             self.say(f"{flown.trial}: {death}; {again}")
         self._done += 1
         self._bar.update(self._task, completed=self._done)

@@ -25,22 +25,35 @@ from flightstack.evaluation.rows import TrialRow
 
 ATTEMPTS = 3
 START_S = 120.0  # wall time
+FRAME_S = 0.05  # vehicle time between frames
 SLOWEST = 1.0  # times real time: what is slower hangs
 DIED = ("link_lost", "interrupted", "course_over")  # outcomes that say nothing about the pilot
 RAN_FREE = "running free"  # the vehicle's words where lockstep was lost
-EXITS = {2: UsageError, 4: ModelError}  # of a companion that cannot fly at all
+EXITS: dict[int | None, type[FlightstackError]] = {  # of who cannot fly at all
+    UsageError.exit_code: UsageError,
+    ModelError.exit_code: ModelError,
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Landed:
+    """What one flight left behind."""
+
+    row: TrialRow
+    trace: Trace
+    log: bytes | None  # where it was asked for
+    simulated_s: float  # vehicle time from the first frame to the last
+    flight_s: float  # wall time of the same
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flown:
-    """What came of a trial: a row, or only deaths."""
+    """What came of a trial: a flight, or only deaths."""
 
     trial: Trial
-    row: TrialRow | None
-    trace: Trace | None
-    log: bytes | None  # where it was asked for
-    wall_s: float
+    landed: Landed | None
     deaths: tuple[str, ...]  # why each earlier attempt gave no row
+    wall_s: float  # of all attempts
 
 
 class Launcher:
@@ -51,27 +64,19 @@ class Launcher:
 
     def fly(self, trial: Trial, provenance: Provenance, *, keep_log: bool = False) -> Flown:
         """Fly up to ATTEMPTS times; raises UsageError or ModelError where no attempt can help."""
+        self._warm()  # which is no part of the trial
         began_s = time.monotonic()
         deaths: list[str] = []
-        while len(deaths) < ATTEMPTS:
-            with tempfile.TemporaryDirectory(prefix="flightstack-trial-") as name:
-                try:
-                    row, trace = self._attempt(trial, provenance, Path(name))
-                except FlightDiedError as error:
-                    deaths.append(str(error))
-                    continue
-                return Flown(
-                    trial=trial,
-                    row=replace(row, retries=len(deaths)),
-                    trace=trace,
-                    log=Path(name, LOG).read_bytes() if keep_log else None,
-                    wall_s=time.monotonic() - began_s,
-                    deaths=tuple(deaths),
-                )
+        landed = None
+        while landed is None and len(deaths) < ATTEMPTS:
+            try:
+                landed = self._attempt(trial, provenance, keep_log=keep_log)
+            except FlightDiedError as error:
+                deaths.append(str(error))
+        if landed is not None:
+            landed = replace(landed, row=replace(landed.row, retries=len(deaths)))
         wall_s = time.monotonic() - began_s
-        return Flown(
-            trial=trial, row=None, trace=None, log=None, wall_s=wall_s, deaths=tuple(deaths)
-        )
+        return Flown(trial=trial, landed=landed, deaths=tuple(deaths), wall_s=wall_s)
 
     def close(self) -> None:
         """End the fork server."""
@@ -79,22 +84,29 @@ class Launcher:
             self._server.close()
             self._server = None
 
-    def _attempt(
-        self, trial: Trial, provenance: Provenance, folder: Path
-    ) -> tuple[TrialRow, Trace]:
+    def _attempt(self, trial: Trial, provenance: Provenance, *, keep_log: bool) -> Landed:
         ports = Ports.find()
-        order = {
-            VEHICLE: vehicle_arguments(trial, ports),
-            COMPANION: companion_arguments(trial, ports, folder),
-            "folder": str(folder),
-            "limit_s": START_S + LAP_LIMIT_S * trial.laps / SLOWEST,
-        }
-        exits = self._warm().fly(order)
-        result = _result(exits, folder)
-        try:
-            return read_flight(trial, provenance, result, folder / LOG)
-        except FlightstackError as error:
-            raise FlightDiedError(f"its log cannot be read: {error}") from error
+        with tempfile.TemporaryDirectory(prefix="flightstack-trial-") as name:
+            folder = Path(name)
+            order = {
+                VEHICLE: vehicle_arguments(trial, ports),
+                COMPANION: companion_arguments(trial, ports, folder),
+                "folder": name,
+                "limit_s": START_S + LAP_LIMIT_S * trial.laps / SLOWEST,
+            }
+            result = _result(self._warm().fly(order), folder)
+            try:
+                row, trace = read_flight(trial, provenance, result, folder / LOG)
+            except FlightstackError as error:
+                raise FlightDiedError(f"its log cannot be read: {error}") from error
+            simulated_s = result["frames"] * FRAME_S
+            return Landed(
+                row=row,
+                trace=trace,
+                log=(folder / LOG).read_bytes() if keep_log else None,
+                simulated_s=simulated_s,
+                flight_s=simulated_s / result["real_time_factor"],
+            )
 
     def _warm(self) -> WarmServer:
         if self._server is not None and not self._server.is_alive:
@@ -105,23 +117,26 @@ class Launcher:
 
 
 def _result(exits: dict[str, int | None], folder: Path) -> dict[str, Any]:
-    """Read the companion's result; raises FlightDiedError where the flight was none."""
+    """Read the companion's result; raises FlightDiedError where the flight was none.
+
+    Raises UsageError or ModelError where a process refused its command line or its model.
+    """
+    words = {name: words_of(folder, name) for name in (VEHICLE, COMPANION)}
+    for name, code in exits.items():
+        if code in EXITS:
+            raise EXITS[code](last_line(words[name]))
     code = exits[COMPANION]
-    for name in (VEHICLE, COMPANION):
-        ended, words = exits[name], words_of(folder, name)
-        if name == VEHICLE and ended is not None and code is None:
-            if ended == UsageError.exit_code:
-                raise UsageError(last_line(words))
-            raise FlightDiedError(f"the vehicle ended with {ended}: {last_line(words)}")
-        if name == COMPANION and ended in EXITS:
-            raise EXITS[ended](last_line(words))
-    if code is None:
+    if code is None and exits[VEHICLE] is None:
         raise FlightDiedError("it took too long")
-    if RAN_FREE in words_of(folder, VEHICLE):
+    if code is None:
+        raise FlightDiedError(
+            f"the vehicle ended with {exits[VEHICLE]}: {last_line(words[VEHICLE])}"
+        )
+    if RAN_FREE in words[VEHICLE]:
         raise FlightDiedError("lockstep was lost: the companion did not answer for long")
     line = last_line((folder / f"{COMPANION}.out").read_text())
     if not line.startswith("{"):
-        raise FlightDiedError(f"the companion ended with {code}: {last_line(words)}")
+        raise FlightDiedError(f"the companion ended with {code}: {last_line(words[COMPANION])}")
     result: dict[str, Any] = json.loads(line)
     if result["outcome"] in DIED or result["gates_total"] is None:
         raise FlightDiedError(f"the flight ended by {result['outcome']}")

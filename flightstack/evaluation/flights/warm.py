@@ -58,6 +58,8 @@ class WarmServer:
         pipe = self._process.stdout
         line = "" if pipe is None else pipe.readline()
         if not line:
+            self._process.kill()
+            self._process.wait()
             raise FlightDiedError(f"the fork server died: {self._last_words()}")
         answer: dict[str, int | None] = json.loads(line)
         return answer
