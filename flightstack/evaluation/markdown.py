@@ -39,7 +39,7 @@ def common_sections(summary: Summary) -> list[str]:
     return [
         "## Whole courses\n\n" + cells(summary, lambda cell: figure(cell.full, ".0%")),
         "## Mean speed, m/s\n\n" + cells(summary, lambda cell: figure(cell.speed_m_s)),
-        "## How trials ended\n\n" + cells(summary, _outcomes),
+        "## How trials ended\n\n" + cells(summary, outcomes),
         "## Differences on the same tracks\n\n" + differences(summary),
         "## Share of trials that passed at least so many gates\n\n" + survival(summary),
         footnotes(summary),
@@ -97,7 +97,8 @@ def _of(summary: Summary, row: str, condition: str, text: Callable[[Cell], str])
     return "" if cell is None else text(cell)
 
 
-def _outcomes(cell: Cell) -> str:
+def outcomes(cell: Cell) -> str:
+    """Say how often a cell's trials ended which way."""
     return ", ".join(
         f"{count} {outcome.replace('_', ' ')}" for outcome, count in cell.outcomes.items()
     )

@@ -1,10 +1,9 @@
 """The autopilot: commander, navigator, take-off, land detector and cascade, a tick at a time."""
 
-import math
 from collections.abc import Sequence
 
 from sitl.autopilot.cascade import Cascade, tilt_tan
-from sitl.autopilot.commander import INFO, Commander
+from sitl.autopilot.commander import Commander
 from sitl.autopilot.commands import Commands
 from sitl.autopilot.failure_commands import FailureCommands
 from sitl.autopilot.health_watch import HealthWatch
@@ -12,7 +11,8 @@ from sitl.autopilot.home import Home
 from sitl.autopilot.land_detector import LandDetector
 from sitl.autopilot.manual import Manual
 from sitl.autopilot.missions import Missions
-from sitl.autopilot.navigator import Goal, Navigator
+from sitl.autopilot.mode_entry import ModeEntry
+from sitl.autopilot.navigator import Navigator
 from sitl.autopilot.offboard import OffboardStream
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.position_control import Limits
@@ -67,6 +67,14 @@ class Autopilot:
         self._commander = Commander(parameters)
         self.missions = Missions(parameters, self._commander, home)
         self._navigator = Navigator(parameters, self.missions.flight)
+        self._entry = ModeEntry(
+            parameters,
+            self._commander,
+            self._navigator,
+            self.missions,
+            self._home_place,
+            altitude_m=home[2],
+        )
         self._failures = FailureCommands(parameters, self._commander)
         self._commands = Commands(
             self._commander, self.missions, self._navigator, self._failures, home
@@ -116,7 +124,8 @@ class Autopilot:
             self._health.links.armed(estimate.time_us)
         if commander.entries != self._entries:
             self._entries = commander.entries
-            self._enter(estimate)
+            flies = self._takeoff.stage is Stage.FLIGHT
+            self._entry.begin(estimate, self._cascade.asked.acceleration_ned if flies else ORIGIN)
         if not commander.armed or commander.mode is Mode.TERMINATION:
             self._takeoff.update(estimate.time_us, armed=False, landed=True, wants_climb=False)
             return self._cascade.stop(estimate)
@@ -221,39 +230,6 @@ class Autopilot:
             limits = self._ground_limits._replace(speed_up_m_s=takeoff.speed_limit(speed_up))
         setpoint = self._setpoints.now(estimate, in_flight=in_flight)
         return self._cascade.fly(estimate, setpoint, limits, landed=landed, clear=self._clear)
-
-    def _enter(self, estimate: Estimate) -> None:
-        """Begin the commander's mode."""
-        commander = self._commander
-        mode, goal = commander.mode, commander.goal
-        home = self._home_place.position_ned
-        if mode is Mode.TAKEOFF:
-            goal = self._takeoff_goal(goal, estimate)
-        if mode is Mode.RTL:
-            home = self.missions.destination(estimate.position_ned, home)
-        if mode is Mode.MISSION and commander.armed:
-            self.missions.flight.start(estimate, home, landed=commander.landed)
-        flies = self._takeoff.stage is Stage.FLIGHT
-        motion = self._cascade.asked.acceleration_ned if flies else ORIGIN
-        self._navigator.enter(mode, goal, home, estimate, motion)
-        if mode is Mode.RTL and commander.armed:
-            height = self._navigator.return_height_m
-            altitude = self._home[2] - home[2] + height
-            commander.say(
-                INFO,
-                f"RTL: start return at {altitude:.0f} m ({height:.0f} m above destination)",
-            )
-
-    def _takeoff_goal(self, goal: Goal, estimate: Estimate) -> Goal:
-        """Complete a take-off's goal: never below where the vehicle is."""
-        x, y, z = goal.position_ned
-        down = estimate.position_ned[2]
-        if math.isnan(z):
-            height = self.parameters["MIS_TAKEOFF_ALT"]
-            z = (self._home_place.known_ned or estimate.position_ned)[2] - height
-            if self._commander.armed:
-                self._commander.say(INFO, f"Using default takeoff altitude: {height:.1f} m")
-        return goal._replace(position_ned=(x, y, min(z, down)))
 
     def _detect_landing(self, estimate: Estimate) -> bool:
         detector, asked, commander = self._land_detector, self._cascade.asked, self._commander

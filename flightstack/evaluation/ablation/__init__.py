@@ -1,0 +1,1 @@
+"""Ablation: which part of a strategy makes its effect, beside controls that fly as fast."""
