@@ -1,6 +1,7 @@
 """Fly once: open log, link, pilot and camera, run the loop, and sum up."""
 
 import contextlib
+import gc
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -69,6 +70,7 @@ def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], progress: Progress) -
         camera = wait_for_camera(vehicle, uri, min(plan.timeout_s, CAMERA_OPENS_S))
         stack.callback(camera.close)
         wait_for_frame(vehicle, camera, plan.timeout_s, name=uri)
+        gc.freeze()  # libraries and networks stay: no need to look through them again and again
         loop = FlightLoop(
             vehicle,
             camera,

@@ -1,9 +1,10 @@
 """Answer each camera frame with one setpoint, and let the mission move on by what is then known.
 
-The loop sleeps until a datagram or a frame is there. Telemetry is taken in at once; everything that
-matters happens when a frame is handled, in this order: the mission advances, the pilot decides,
-commands, heartbeat and uncertainty go out, and last the setpoint, on which a vehicle in lockstep
-runs on. So a flight in lockstep does not depend on when the threads of either process ran.
+The loop sleeps until a frame is there, or, where none comes soon, a datagram. Everything that
+matters happens when a frame is handled, in this order: telemetry is taken in, the mission advances,
+the pilot decides, and commands, heartbeat, uncertainty and last the setpoint go out, on which a
+vehicle in lockstep runs on. So a flight in lockstep does not depend on when the threads of either
+process ran.
 """
 
 import time
@@ -23,6 +24,7 @@ from flightstack.mavlink.offboard import HOLD, Velocities
 from flightstack.records import Decision, Frame
 
 IDLE_S = 0.1  # wall time: how long the loop sleeps at most
+FRAME_SOON_S = 0.03  # wall time: telemetry waits so long for the frame that it belongs to
 TRIGGER_WAIT_S = 0.05  # wall time: for the announcement of a frame that has come
 LINK_LOST_S = 3.0  # wall time
 FRAME_LATE_US = 500_000  # vehicle time: the vehicle is then held
@@ -90,6 +92,7 @@ class FlightLoop:
         self._frame_s = time.monotonic()
         self._steered_s = self._frame_s
         self._ticked_us = self._clock.stamp_us
+        self._frames_flow = False  # the last turn of the loop has answered one
 
     def run(self) -> None:
         """Fly until the mission is done or the vehicle is lost; land on any other way out."""
@@ -101,18 +104,24 @@ class FlightLoop:
                 self._vehicle.abandon()
 
     def _turn(self) -> None:
-        wait_for_any(IDLE_S, self._vehicle.link, self._camera)
+        self._sleep()
         self._vehicle.receive()
         if self._vehicle.link.silence_s > LINK_LOST_S:
             self._lose_link()
             return
         arrival = self._camera.take()
+        self._frames_flow = arrival is not None
         if arrival is not None:
             self._answer(arrival)
         else:
             self._watch()
         self._vehicle.link.tlog.flush_if_due()
         self._reporter.report(self.state, self._vehicle)
+
+    def _sleep(self) -> None:
+        """Wait for the next frame alone while frames flow: no wake-up for each datagram."""
+        if not (self._frames_flow and wait_for_any(FRAME_SOON_S, self._camera)):
+            wait_for_any(IDLE_S, self._vehicle.link, self._camera)
 
     def _answer(self, arrival: Arrival) -> None:
         frame = arrival.frame

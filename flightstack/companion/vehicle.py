@@ -33,7 +33,10 @@ class Vehicle:
         self._receiver = TelemetryReceiver(link.clock)
         self._commands = CommandSender(link)
         self._heartbeat = HeartbeatSender(link.send)
-        self._uncertainty = UncertaintyPublisher(link.send, with_members=publish_members)
+        self._explanation: list[Message] = []  # of the setpoint that is to come
+        self._uncertainty = UncertaintyPublisher(
+            self._explanation.append, with_members=publish_members
+        )
         self._download = CourseDownload(link)
         self._setpoint: Message | None = None
         self._refusals: list[Refusal] = []
@@ -87,13 +90,14 @@ class Vehicle:
             self._download.poll(now_us)
 
     def explain(self, decision: Decision, stamp_us: int) -> None:
-        """Publish how sure a decision is."""
+        """Have the next setpoint leave with how sure its decision is."""
         self._uncertainty.publish(decision, stamp_us)
 
     def steer(self, velocities: Velocities, stamp_us: int) -> None:
         """Send the setpoint that answers the frame of this stamp."""
         self._setpoint = velocity_setpoint(self.link.system_id, stamp_us, velocities)
-        self.link.send(self._setpoint)
+        self.link.send(*self._explanation, self._setpoint)
+        self._explanation.clear()
         self.setpoints += 1
 
     def repeat_setpoint(self) -> None:

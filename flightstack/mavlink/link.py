@@ -144,21 +144,24 @@ class Link:
         self._newest.clear()
         return messages
 
-    def send(self, message: Message) -> None:
-        """Send one message as component 191 of the vehicle's system."""
-        self._protocol.srcSystem = self.system_id
-        frame = bytes(message.pack(self._protocol))
-        self._protocol.seq = (self._protocol.seq + 1) % 256
-        if self._signing is not None:
-            frame = self._signing.sign(frame)
+    def send(self, *messages: Message) -> None:
+        """Send messages as component 191 of the vehicle's system, together: in one datagram."""
+        frames = [self._pack(message) for message in messages]
         address = self.vehicle.address if self.vehicle else self._stale_address
-        if self._transport.send(frame, address):
-            self.tlog.append(self.clock.elapsed_us, frame)
+        if self._transport.send(b"".join(frames), address):
+            for frame in frames:
+                self.tlog.append(self.clock.elapsed_us, frame)
 
     def close(self) -> None:
         """Write the log out and let go of the transport."""
         self.tlog.close()
         self._transport.close()
+
+    def _pack(self, message: Message) -> bytes:
+        self._protocol.srcSystem = self.system_id
+        frame = bytes(message.pack(self._protocol))
+        self._protocol.seq = (self._protocol.seq + 1) % 256
+        return frame if self._signing is None else self._signing.sign(frame)
 
     def _admits(self, frame: bytes, address: Address | None, signing: Signing) -> bool:
         """Whether to heed a frame; what is neither heeded nor refused is logged."""

@@ -39,8 +39,8 @@ class Transport(Protocol):
     def forget_backlog(self) -> None:
         """Drop what has come while nobody read, where it may have holes."""
 
-    def send(self, frame: bytes, address: Address | None) -> bool:
-        """Send one frame, to `address` where we listen; False where there is nobody yet."""
+    def send(self, frames: bytes, address: Address | None) -> bool:
+        """Send whole frames, to `address` where we listen; False where there is nobody yet."""
 
     def close(self) -> None:
         """Let go of the socket or device."""
@@ -100,13 +100,13 @@ class UdpTransport:
     def forget_backlog(self) -> None:
         """Keep all: the receive buffer holds what a vehicle says in half a minute."""
 
-    def send(self, frame: bytes, address: Address | None) -> bool:
-        """Send one frame to the vehicle that has been heard, or to the one that was named."""
+    def send(self, frames: bytes, address: Address | None) -> bool:
+        """Send one datagram to the vehicle that has been heard, or to the one that was named."""
         target = address or self._peer
         if target is None:
             return False
         with contextlib.suppress(OSError):  # lost, as datagrams are
-            self._socket.sendto(frame, target)
+            self._socket.sendto(frames, target)
         return True
 
     def close(self) -> None:
@@ -161,12 +161,12 @@ class StreamTransport:
             continue
         self._splitter = FrameSplitter()
 
-    def send(self, frame: bytes, address: Address | None) -> bool:  # noqa: ARG002  (protocol)
-        """Send one frame; False where the other end has gone, or is too far behind to get it."""
+    def send(self, frames: bytes, address: Address | None) -> bool:  # noqa: ARG002  (protocol)
+        """Send whole frames; False where the other end has gone, or is too far behind."""
         self._flush()
-        if self.closed or len(self._unsent) + len(frame) > UNSENT_BYTES:
+        if self.closed or len(self._unsent) + len(frames) > UNSENT_BYTES:
             return False
-        self._unsent += frame
+        self._unsent += frames
         self._flush()
         return not self.closed
 
