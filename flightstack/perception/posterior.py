@@ -17,7 +17,7 @@ from torch import Generator, Tensor
 
 from flightstack.perception.cmvae import sample_normal
 from flightstack.perception.config import PerceptionConfig
-from flightstack.perception.dronet import Dronet, dropout_mask
+from flightstack.perception.dronet import Dronet, folded
 from flightstack.perception.preprocessing import network_input
 
 
@@ -40,15 +40,16 @@ class McDropoutPosterior:
         self, encoder: Dronet, generator: Generator, *, samples: int, within: bool = True
     ) -> None:
         self._encoder, self._generator = encoder.eval(), generator
+        self._trunk = folded(encoder.trunk)
         self._samples, self._within = samples, within
 
     def sample(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
         """Draw M masks, then M latent samples (M, Z)."""
         with torch.inference_mode():
-            features = self._encoder.trunk(network_input(rgb[np.newaxis]))
-            passes = features.expand(self._samples, -1)
-            mask = dropout_mask(passes, self._encoder.dropout, self._generator)
-            mean, logvar = self._encoder.head(passes * mask)
+            features = self._trunk(network_input(rgb[np.newaxis]))  # (1, 512)
+            rate, shape = self._encoder.dropout, (self._samples, features.shape[1])
+            kept = torch.rand(shape, generator=self._generator) >= rate  # as dropout_mask draws them
+            mean, logvar = self._encoder.head(features * (1.0 / (1.0 - rate)) * kept)
             z = sample_normal(mean, logvar, self._generator) if self._within else mean
             return _array(z)
 
