@@ -17,7 +17,7 @@ from torch import Generator, Tensor
 
 from flightstack.perception.cmvae import sample_normal
 from flightstack.perception.config import PerceptionConfig
-from flightstack.perception.dronet import Dronet, folded
+from flightstack.perception.dronet import FEATURES, Dronet, folded
 from flightstack.perception.preprocessing import network_input
 
 
@@ -47,8 +47,8 @@ class McDropoutPosterior:
         """Draw M masks, then M latent samples (M, Z)."""
         with torch.inference_mode():
             features = self._trunk(network_input(rgb[np.newaxis]))  # (1, 512)
-            rate, shape = self._encoder.dropout, (self._samples, features.shape[1])
-            kept = torch.rand(shape, generator=self._generator) >= rate  # as dropout_mask draws them
+            rate, shape = self._encoder.dropout, (self._samples, FEATURES)
+            kept = torch.rand(shape, generator=self._generator) >= rate  # as dropout_mask does
             mean, logvar = self._encoder.head(features * (1.0 / (1.0 - rate)) * kept)
             z = sample_normal(mean, logvar, self._generator) if self._within else mean
             return _array(z)

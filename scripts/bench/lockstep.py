@@ -1,98 +1,53 @@
 """Measure how fast lockstep flies, and where the time goes.
 
     python scripts/bench/lockstep.py [--laps 4] [--track-seed 0] [--noise 0,0] [--model NAME]
+                                     [--against COMMIT]
 
 Flies vehicle and companion as two processes over their sockets, as fast as they can: once as they
 are, for the real-time factor from the first frame to the disarming; and once with their parts
-timed, for the CPU time of every part in the stretch in which the network flew.
+timed, for the CPU time of every part in the stretch in which the network flew. With a commit it
+flies that commit's code in turns with this one and prints both side by side.
 """
 
 import argparse
+import contextlib
 import json
 import os
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
 ROOT = Path(__file__).resolve().parents[2]
-PROFILED = Path(__file__).with_name("profiled.py")
 sys.path.insert(0, str(ROOT))
 
-from scripts.fly_course import API_PORT, LAP_LIMIT_S, free_instance  # noqa: E402
+from scripts.bench.flying import (  # noqa: E402
+    LIMIT_S,
+    ROLES,
+    Stretch,
+    add_flight_options,
+    fly_together,
+)
 
-FLY = (sys.executable, str(ROOT / "scripts" / "fly_course.py"), "--fast", "--json")
-LIMIT_S = 600.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Stretch:
-    """One process between two moments."""
-
-    wall_s: float
-    process_cpu_s: float
-    cpu_s: dict[str, float]
-    calls: dict[str, int]
+TICK_PARTS = ("autopilot", "physics", "referee, estimate")  # of the vehicle
+TICKS_A_FRAME = 12.5
+ROUNDS = 3  # of each code: the one that cost least is shown
 
 
-def between(report: dict[str, Any], start_s: float, end_s: float) -> Stretch:
-    """Subtract the snapshots at both ends."""
-    inside = [s for s in report["snapshots"] if start_s <= s["wall_s"] <= end_s]
-    first, last = inside[0], inside[-1]
-
-    def spent(kind: str) -> dict[str, Any]:
-        return {part: last[kind][part] - first[kind].get(part, 0) for part in last[kind]}
-
-    return Stretch(
-        wall_s=last["wall_s"] - first["wall_s"],
-        process_cpu_s=last["process_cpu_s"] - first["process_cpu_s"],
-        cpu_s=spent("cpu_s"),
-        calls=spent("calls"),
-    )
-
-
-def fly(options: argparse.Namespace, folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Fly once; the reports of vehicle and companion."""
-    reports = {role: folder / f"{role}.json" for role in ("vehicle", "companion")}
-    environment = os.environ | {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-
-    def command(role: str, *arguments: str) -> list[str]:
-        return [sys.executable, str(PROFILED), role, str(reports[role]), *arguments]
-
-    with free_instance() as instance:
-        course = (f"--laps={options.laps}", f"--track-seed={options.track_seed}")
-        flight = ("--lockstep", "--speed-factor=0", "-q", f"--instance={instance}")
-        pilot = (f"--udp={API_PORT + instance}", f"--duration={LAP_LIMIT_S * options.laps}", "-q")
-        model = (f"--model={options.model}",) if options.model else ()
-        vehicle = subprocess.Popen(
-            command("vehicle", *flight, *course, f"--noise={options.noise}"), env=environment
-        )
-        try:
-            subprocess.run(
-                command("companion", *pilot, *model, f"--log={folder / 'flight.tlog'}"),
-                env=environment,
-                stdout=subprocess.DEVNULL,  # its summary names a log that goes with the folder
-                timeout=LIMIT_S,
-                check=False,
-            )
-        finally:
-            vehicle.terminate()
-            vehicle.wait()
-    vehicle_report, companion_report = (json.loads(path.read_text()) for path in reports.values())
-    return vehicle_report, companion_report
-
-
-def fly_untimed(options: argparse.Namespace) -> float:
+def fly_untimed(options: argparse.Namespace, root: Path = ROOT) -> float:
     """Fly once by `scripts/fly`; the real-time factor of the whole mission."""
     course = (f"--laps={options.laps}", f"--track-seed={options.track_seed}")
     model = (f"--model={options.model}",) if options.model else ()
     flight = subprocess.run(
-        [*FLY, *course, *model, f"--noise={options.noise}"],
+        [
+            *(sys.executable, str(root / "scripts" / "fly_course.py"), "--fast", "--json"),
+            *(*course, *model, f"--noise={options.noise}"),
+        ],
+        cwd=root,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         text=True,
@@ -102,7 +57,16 @@ def fly_untimed(options: argparse.Namespace) -> float:
     return float(json.loads(flight.stdout.splitlines()[-1])["real_time_factor"])
 
 
-def print_table(console: Console, title: str, stretch: Stretch, frames: int) -> None:
+def fly_timed(options: argparse.Namespace, root: Path = ROOT) -> tuple[dict[str, Stretch], int]:
+    """Fly once with all parts timed; both processes while the network flew, and its frames."""
+    report = fly_together(options, 1, root=root)[0]
+    if len(report.decided) < 20:
+        sys.exit("lockstep.py: the network flew for less than a second: no figures")
+    frames, _ = report.frames(*report.flown)
+    return {role: report.stretch(role, *report.flown) for role in ROLES}, frames
+
+
+def print_parts(console: Console, title: str, stretch: Stretch, frames: int) -> None:
     """Print one process: CPU time by part, a frame and in percent."""
     table = Table(title=title, title_justify="left")
     table.add_column("part")
@@ -123,31 +87,68 @@ def print_table(console: Console, title: str, stretch: Stretch, frames: int) -> 
     console.print(table)
 
 
+def figures_of(stretches: Mapping[str, Stretch], frames: int) -> dict[str, float]:
+    """Sum a flight up: CPU us a tick by part, CPU ms a frame by process."""
+    vehicle = stretches["vehicle"].cpu_s
+    ticks = frames * TICKS_A_FRAME
+    parts = {part: vehicle[part] / ticks * 1e6 for part in TICK_PARTS}
+    frame = {role: stretches[role].process_cpu_s / frames * 1e3 for role in ROLES}
+    return {
+        **{f"{part}, us a tick": cost for part, cost in parts.items()},
+        "whole tick, us": sum(parts.values()),
+        **{f"{role}, ms a frame": cost for role, cost in frame.items()},
+        "both processes, ms a frame": sum(frame.values()),
+    }
+
+
+def compare(console: Console, options: argparse.Namespace, commit: str) -> None:
+    """Fly this code and a commit's in turns; print what each cost at its cheapest."""
+    flown: dict[str, list[dict[str, float]]] = {commit: [], "here": []}
+    speeds: dict[str, list[float]] = {commit: [], "here": []}
+    with checked_out(commit) as other:
+        for _ in range(ROUNDS):
+            for name, root in ((commit, other), ("here", ROOT)):
+                flown[name].append(figures_of(*fly_timed(options, root)))
+                speeds[name].append(fly_untimed(options, root))
+    table = Table(title="CPU time, the least of each", title_justify="left")
+    table.add_column("")
+    for name in flown:
+        table.add_column(name, justify="right")
+    for figure in flown[commit][0]:
+        least = (min(figures[figure] for figures in flights) for flights in flown.values())
+        table.add_row(figure, *(f"{cost:.2f}" for cost in least))
+    table.add_row("untimed, times real time", *(f"{max(found):.1f}" for found in speeds.values()))
+    console.print(table)
+
+
+@contextlib.contextmanager
+def checked_out(commit: str) -> Iterator[Path]:
+    """Have a commit's files in a folder for a while."""
+    git = ("git", "-C", str(ROOT), "worktree")
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder, "code")
+        subprocess.run([*git, "add", "--quiet", "--detach", str(root), commit], check=True)
+        try:
+            yield root
+        finally:
+            subprocess.run([*git, "remove", "--force", str(root)], check=True)
+
+
 def main() -> int:
     """Fly, and print the tables."""
     parser = argparse.ArgumentParser(prog="lockstep.py", description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--laps", type=int, default=4)
-    parser.add_argument("--track-seed", type=int, default=0)
-    parser.add_argument("--noise", default="0,0", metavar="GRN,GHN")
-    parser.add_argument("--model")
+    add_flight_options(parser)
+    parser.add_argument("--against", metavar="COMMIT", help="print another commit's cost beside")
     options = parser.parse_args()
     console = Console(width=78)
+    console.print(f"load of this machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
+    if options.against:
+        compare(console, options, options.against)
+        return 0
     console.print(f"as it is: [bold]{fly_untimed(options):.1f} times real time[/bold]")
-    with tempfile.TemporaryDirectory() as folder:
-        vehicle, companion = fly(options, Path(folder))
-    decided = companion["decided"]
-    if len(decided) < 20:
-        print("lockstep.py: the network flew for less than a second: no figures", file=sys.stderr)
-        return 1
-    (start_s, start_us), (end_s, end_us) = decided[0], decided[-1]
-    frames = len(decided) - 1
-    vehicle_s, wall_s = (end_us - start_us) / 1e6, end_s - start_s
-    console.print(
-        f"timed: {frames} frames, {vehicle_s:.1f} s of flight in {wall_s:.2f} s, "
-        f"{vehicle_s / wall_s:.1f} times real time"
-    )
-    print_table(console, "vehicle", between(vehicle, start_s, end_s), frames)
-    print_table(console, "companion", between(companion, start_s, end_s), frames)
+    stretches, frames = fly_timed(options)
+    for role, stretch in stretches.items():
+        print_parts(console, role, stretch, frames)
     return 0
 
 

@@ -1,7 +1,7 @@
-"""Run the vehicle or the companion with its parts timed: `profiled.py ROLE REPORT [option ...]`.
+"""Run the vehicle or the companion timed: `profiled.py ROLE parts|whole REPORT [option ...]`.
 
-Started by lockstep.py. The report is JSON: the stopwatch's snapshots, and for the companion the
-times of its decisions.
+Started by flying.py. The report is JSON: the stopwatch's snapshots, and for the companion the
+times of its decisions. Timing every part costs time itself; `whole` times the process alone.
 """
 
 import json
@@ -14,8 +14,8 @@ from typing import Any
 from scripts.bench.stopwatch import Stopwatch
 
 
-def time_vehicle(stopwatch: Stopwatch) -> None:
-    """Name the vehicle's parts."""
+def time_vehicle(stopwatch: Stopwatch, *, parts: bool) -> None:
+    """Name the vehicle's parts, or the one thing that it does with each frame."""
     from sitl.quiet import quiet_outputs  # noqa: PLC0415 - only this role loads it
 
     with quiet_outputs():
@@ -28,19 +28,21 @@ def time_vehicle(stopwatch: Stopwatch) -> None:
     from sitl.simulation import Simulation  # noqa: PLC0415
     from sitl.world.world import World  # noqa: PLC0415
 
+    stopwatch.watch(camera_stream.CameraStream, "publish", "camera stream")
+    if not parts:
+        return
     stopwatch.watch(Server, "_run_lockstep", "loop")
     stopwatch.watch(Simulation, "step", "referee, estimate")
     stopwatch.watch(World, "step", "physics")
     stopwatch.watch(Autopilot, "step", "autopilot")
     stopwatch.watch(Camera, "render", "rendering")
     stopwatch.watch(camera_stream, "part", "image coding")
-    stopwatch.watch(camera_stream.CameraStream, "publish", "camera stream")
     stopwatch.watch(camera_stream.CameraStream, "serve", "camera stream")
     for name in ("publish", "publish_trigger", "receive"):
         stopwatch.watch(Endpoint, name, "MAVLink")
 
 
-def time_companion(stopwatch: Stopwatch, decided: list[tuple[float, int]]) -> None:
+def time_companion(stopwatch: Stopwatch, decided: list[tuple[float, int]], *, parts: bool) -> None:
     """Name the companion's parts, and note when it decides: wall time, frame stamp."""
     from flightstack.camera import multipart  # noqa: PLC0415 - only this role loads it
     from flightstack.companion import loop, pipeline  # noqa: PLC0415
@@ -49,18 +51,19 @@ def time_companion(stopwatch: Stopwatch, decided: list[tuple[float, int]]) -> No
     from flightstack.mavlink.tlog import TlogWriter  # noqa: PLC0415
     from flightstack.policy.ensemble import PolicyEnsemble  # noqa: PLC0415
 
-    stopwatch.watch(loop.FlightLoop, "_turn", "loop")
     stopwatch.watch(pipeline.Pipeline, "decide", "perception")
-    stopwatch.watch(PolicyEnsemble, "predict", "policies")
-    for strategy in vars(strategies).values():
-        if isinstance(strategy, type) and "decide" in vars(strategy):
-            stopwatch.watch(strategy, "decide", "decision")
-    stopwatch.watch(Link, "drain", "MAVLink")
-    stopwatch.watch(Link, "send", "MAVLink")
-    for name in ("append", "flush", "flush_if_due"):
-        stopwatch.watch(TlogWriter, name, "log")
-    stopwatch.watch(multipart, "decode_rgb", "image decoding")
-    stopwatch.watch(multipart.MultipartSource, "read", "camera stream")
+    if parts:
+        stopwatch.watch(loop.FlightLoop, "_turn", "loop")
+        stopwatch.watch(PolicyEnsemble, "predict", "policies")
+        for strategy in vars(strategies).values():
+            if isinstance(strategy, type) and "decide" in vars(strategy):
+                stopwatch.watch(strategy, "decide", "decision")
+        stopwatch.watch(Link, "drain", "MAVLink")
+        stopwatch.watch(Link, "send", "MAVLink")
+        for name in ("append", "flush", "flush_if_due"):
+            stopwatch.watch(TlogWriter, name, "log")
+        stopwatch.watch(multipart, "decode_rgb", "image decoding")
+        stopwatch.watch(multipart.MultipartSource, "read", "camera stream")
 
     decide = pipeline.Pipeline.decide
 
@@ -73,14 +76,14 @@ def time_companion(stopwatch: Stopwatch, decided: list[tuple[float, int]]) -> No
 
 def main() -> int:
     """Run the role's command line and write the report, however it ends."""
-    role, report, *options = sys.argv[1:]
+    role, detail, report, *options = sys.argv[1:]
     stopwatch = Stopwatch()
     decided: list[tuple[float, int]] = []
     if role == "vehicle":
-        time_vehicle(stopwatch)
+        time_vehicle(stopwatch, parts=detail == "parts")
         from sitl.cli import main as run  # noqa: PLC0415
     else:
-        time_companion(stopwatch, decided)
+        time_companion(stopwatch, decided, parts=detail == "parts")
         from flightstack.companion.cli import main as run  # noqa: PLC0415
     try:
         return run(options)

@@ -1,0 +1,129 @@
+"""Fly vehicle and companion as two processes with their parts timed, for the benches beside."""
+
+import argparse
+import contextlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from scripts.fly_course import API_PORT, LAP_LIMIT_S, free_instance
+
+ROOT = Path(__file__).resolve().parents[2]
+PROFILED = Path(__file__).with_name("profiled.py")
+ROLES = ("vehicle", "companion")
+LIMIT_S = 600.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stretch:
+    """One process between two moments."""
+
+    wall_s: float
+    process_cpu_s: float
+    cpu_s: dict[str, float]
+    calls: dict[str, int]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Report:
+    """What both processes of one flight have written down."""
+
+    snapshots: dict[str, list[dict[str, Any]]]  # by role
+    decided: list[tuple[float, int]]  # wall time s, frame stamp us
+
+    @property
+    def flown(self) -> tuple[float, float]:
+        """Wall times of the first and the last decision."""
+        return self.decided[0][0], self.decided[-1][0]
+
+    def stretch(self, role: str, start_s: float, end_s: float) -> Stretch:
+        """Subtract the snapshots at both ends."""
+        inside = [s for s in self.snapshots[role] if start_s <= s["wall_s"] <= end_s]
+        first, last = inside[0], inside[-1]
+
+        def spent(kind: str) -> dict[str, Any]:
+            return {part: last[kind][part] - first[kind].get(part, 0) for part in last[kind]}
+
+        return Stretch(
+            wall_s=last["wall_s"] - first["wall_s"],
+            process_cpu_s=last["process_cpu_s"] - first["process_cpu_s"],
+            cpu_s=spent("cpu_s"),
+            calls=spent("calls"),
+        )
+
+    def frames(self, start_s: float, end_s: float) -> tuple[int, float]:
+        """How many frames were decided on in a stretch, and their vehicle time in s."""
+        stamps_us = [stamp_us for wall_s, stamp_us in self.decided if start_s <= wall_s <= end_s]
+        return len(stamps_us) - 1, (stamps_us[-1] - stamps_us[0]) / 1e6
+
+
+def add_flight_options(parser: argparse.ArgumentParser) -> None:
+    """Which course is flown, and by what."""
+    parser.add_argument("--laps", type=int, default=4)
+    parser.add_argument("--track-seed", type=int, default=0)
+    parser.add_argument("--noise", default="0,0", metavar="GRN,GHN")
+    parser.add_argument("--model")
+
+
+@contextlib.contextmanager
+def started(
+    options: argparse.Namespace, folder: Path, *, parts: bool = True, root: Path = ROOT
+) -> Iterator[subprocess.Popen[bytes]]:
+    """Fly with the code at `root`; gives the companion's process, and ends the vehicle's."""
+    path = os.pathsep.join(map(str, dict.fromkeys((root, ROOT))))
+    environment = os.environ | {"PYTHONPATH": path, "OMP_NUM_THREADS": "1"}
+    detail = "parts" if parts else "whole"
+
+    def start(role: str, *arguments: str) -> subprocess.Popen[bytes]:
+        command = [sys.executable, str(PROFILED), role, detail, str(folder / f"{role}.json")]
+        return subprocess.Popen(
+            [*command, *arguments],
+            env=environment,
+            cwd=root,
+            stdout=subprocess.DEVNULL,  # its summary names a log that goes with the folder
+        )
+
+    with free_instance() as instance:
+        course = (f"--laps={options.laps}", f"--track-seed={options.track_seed}")
+        flight = ("--lockstep", "--speed-factor=0", "-q", f"--instance={instance}")
+        pilot = (f"--udp={API_PORT + instance}", f"--duration={LAP_LIMIT_S * options.laps}", "-q")
+        model = (f"--model={options.model}",) if options.model else ()
+        vehicle = start("vehicle", *flight, *course, f"--noise={options.noise}")
+        companion = start("companion", *pilot, *model, f"--log={folder / 'flight.tlog'}")
+        try:
+            yield companion
+        finally:
+            companion.terminate()
+            vehicle.terminate()
+            companion.wait()
+            vehicle.wait()
+
+
+def fly_together(
+    options: argparse.Namespace, count: int, *, parts: bool = True, root: Path = ROOT
+) -> list[Report]:
+    """Fly the same course `count` times at once."""
+    with contextlib.ExitStack() as stack:
+        folders = [Path(stack.enter_context(tempfile.TemporaryDirectory())) for _ in range(count)]
+        with contextlib.ExitStack() as flights:
+            companions = [
+                flights.enter_context(started(options, folder, parts=parts, root=root))
+                for folder in folders
+            ]
+            for companion in companions:
+                companion.wait(LIMIT_S)
+        return [_read(folder) for folder in folders]
+
+
+def _read(folder: Path) -> Report:
+    reports = {role: json.loads((folder / f"{role}.json").read_text()) for role in ROLES}
+    return Report(
+        snapshots={role: report["snapshots"] for role, report in reports.items()},
+        decided=[(wall_s, stamp_us) for wall_s, stamp_us in reports["companion"]["decided"]],
+    )

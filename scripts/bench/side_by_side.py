@@ -1,0 +1,65 @@
+"""Measure what flights cost that are flown side by side: simulated seconds a wall second in all.
+
+    python scripts/bench/side_by_side.py [--flights 2] [--laps 4] [--track-seed 0] [--noise 0,0]
+
+Each flight is a vehicle and a companion in lockstep, as fast as they can. Counted is the stretch in
+which the networks of all of them flew, by CPU time, which other load disturbs least.
+"""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from scripts.bench.flying import ROLES, Report, add_flight_options, fly_together
+
+
+def print_flights(console: Console, reports: list[Report], start_s: float, end_s: float) -> None:
+    """Print each flight, and all of them."""
+    table = Table(title="CPU time, ms a frame", title_justify="left")
+    for heading in ("flight", *ROLES, "both", "times real time"):
+        table.add_column(heading, justify="right")
+    flown_s = 0.0
+    for number, report in enumerate(reports):
+        frames, vehicle_s = report.frames(start_s, end_s)
+        flown_s += vehicle_s
+        costs = [
+            report.stretch(role, start_s, end_s).process_cpu_s / frames * 1e3 for role in ROLES
+        ]
+        speed = vehicle_s / (end_s - start_s)
+        table.add_row(
+            str(number), *(f"{cost:.2f}" for cost in (*costs, sum(costs))), f"{speed:.1f}"
+        )
+    console.print(table)
+    console.print(
+        f"in all: [bold]{flown_s / (end_s - start_s):.1f} simulated seconds a wall second[/bold]"
+    )
+
+
+def main() -> int:
+    """Fly, and print the table."""
+    parser = argparse.ArgumentParser(
+        prog="side_by_side.py", description=(__doc__ or "").split("\n")[0]
+    )
+    add_flight_options(parser)
+    parser.add_argument("--flights", type=int, default=2, help="how many at once (default 2)")
+    options = parser.parse_args()
+    console = Console(width=78)
+    console.print(f"load of this machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
+    reports = fly_together(options, options.flights, parts=False)
+    flown = [report.flown for report in reports]
+    start_s, end_s = max(start for start, _ in flown), min(end for _, end in flown)
+    if end_s - start_s < 1.0:
+        print("side_by_side.py: the flights hardly met: no figures", file=sys.stderr)
+        return 1
+    print_flights(console, reports, start_s, end_s)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
