@@ -2,6 +2,8 @@
 
 import atexit
 import functools
+import multiprocessing
+import signal
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -87,6 +89,8 @@ def _fly_one(trial: Trial, provenance: Provenance, keep_log: bool) -> Flown:  # 
 @functools.cache
 def _launcher() -> Launcher:
     """Return this worker's own."""
+    if multiprocessing.parent_process() is not None:  # a Ctrl-C is for the command alone
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
     launcher = Launcher()
     atexit.register(launcher.close)
     return launcher

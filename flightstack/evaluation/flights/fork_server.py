@@ -14,6 +14,7 @@ import importlib
 import json
 import os
 import select
+import shutil
 import signal
 import sys
 import traceback
@@ -69,7 +70,8 @@ def _fly(order: dict[str, Any], orders: IO[str]) -> dict[str, Any]:
         for pidfd in pidfds.values():
             stack.callback(os.close, pidfd)
         ready, _, _ = select.select([*pidfds.values(), orders.fileno()], [], [], order["limit_s"])
-        if orders.fileno() in ready:
+        if orders.fileno() in ready:  # it has ended: nobody else will tidy up
+            shutil.rmtree(folder, ignore_errors=True)
             raise SystemExit(0)
         ended = {name: pidfd in ready for name, pidfd in pidfds.items()}
     return {name: _status(pid, ended=ended[name]) for name, pid in children.items()}
