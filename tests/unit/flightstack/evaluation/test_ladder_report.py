@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 
 from flightstack.evaluation.ladder_report import ladder_sections, rung_costs
@@ -9,13 +11,7 @@ GATES = {"level-2": (32, 30, 31), "fog": (8, 3, 10)}
 
 def rows():
     return [
-        made_row(
-            row=row,
-            condition=rung,
-            track_seed=track,
-            gates_passed=gates - fewer,
-            outcome="missed",
-        )
+        replace(made_row(gates - fewer, row=row, track=track), condition=rung, outcome="missed")
         for row, fewer in (("ours", 0), ("theirs", 2))
         for rung, all_gates in GATES.items()
         for track, gates in enumerate(all_gates)
