@@ -18,6 +18,7 @@ from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.position_control import Limits
 from sitl.autopilot.report import report_setpoint, report_status
 from sitl.autopilot.setpoints import Setpoints
+from sitl.autopilot.stick_override import StickOverride
 from sitl.autopilot.takeoff import Stage, Takeoff
 from sitl.failures import Failure
 from sitl.frames import yaw_of
@@ -81,6 +82,7 @@ class Autopilot:
         )
         self._offboard = OffboardStream(parameters)
         self._manual = Manual(parameters)
+        self._stick_override = StickOverride(parameters)
         self._setpoints = Setpoints(
             self._commander, self.missions, self._navigator, self._offboard, self._manual
         )
@@ -113,8 +115,8 @@ class Autopilot:
         health = self._health.update(
             estimate,
             self._offboard,
-            mission_available=self.missions.is_available,
             fence_breached=self._is_fence_breached(estimate),
+            mission_available=self.missions.is_available,
         )
         commander.update(estimate.time_us, health, landed=landed)
         request, self._commands.home_request = self._commands.home_request, None
@@ -161,6 +163,8 @@ class Autopilot:
         links.sticks.heard(sticks.time_us)
         self._manual.receive(sticks)
         self._commander.health = self._commander.health._replace(sticks_available=True)
+        if self._stick_override.moves(sticks):
+            self._stick_override.take_over(self._commander)
 
     def drain_texts(self) -> list[StatusText]:
         """Take the texts that came up since the last call."""
@@ -260,6 +264,7 @@ class Autopilot:
             self._offboard,
             self._health,
             self._manual,
+            self._stick_override,
             self._takeoff,
             self._land_detector,
         ):

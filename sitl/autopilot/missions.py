@@ -20,6 +20,7 @@ from sitl.mission_records import (
 from sitl.modes import Mode
 from sitl.records import Vector3
 
+SETTLING_US = 100_000  # PX4 was seen to refuse a start within some 100 ms of the upload in flight
 ORIGIN: Vector3 = (0.0, 0.0, 0.0)
 
 
@@ -29,7 +30,8 @@ class Missions:
     def __init__(self, parameters: Parameters, commander: Commander, origin: Vector3) -> None:
         self.flight = MissionFlight(parameters, origin, lambda text: commander.say(INFO, text))
         self.fence = Geofence(parameters, origin)
-        self.is_available = False  # there is a mission, and the fence permits it
+        self._may_be_flown = False  # there is a mission, and the fence permits it
+        self._time_us = self._uploaded_us = 0
         self._commander = commander
         self._origin = origin  # latitude deg, longitude deg, altitude m of the local frame
         self._plans: dict[PlanKind, Plan] = dict.fromkeys(PlanKind, ())
@@ -45,6 +47,12 @@ class Missions:
         self._rtl_type = int(parameters["RTL_TYPE"])
         self._first_max_m = parameters["MIS_DIST_1WP"]
         self._judge_mission()
+
+    @property
+    def is_available(self) -> bool:
+        """Whether there is a mission that may be flown; in flight, a new one takes its time."""
+        settles = not self._commander.landed and self._time_us - self._uploaded_us < SETTLING_US
+        return self._may_be_flown and not settles
 
     def plan(self, kind: PlanKind) -> Plan:
         """Give a list, empty if there is none."""
@@ -64,6 +72,7 @@ class Missions:
         self._plans[kind] = plan
         if kind is PlanKind.MISSION:
             self.flight.take(plan, current)
+            self._uploaded_us = self._time_us
         if kind is not PlanKind.RALLY:
             self._objected = None
             self._judge_mission()
@@ -101,7 +110,7 @@ class Missions:
 
     def watch(self, time_us: int, position_ned: Vector3, home_ned: Vector3) -> bool:
         """Look whether the fence is breached, and say so when it begins."""
-        self._position_ned, self._home_ned = position_ned, home_ned
+        self._time_us, self._position_ned, self._home_ned = time_us, position_ned, home_ned
         breach = self.fence.breach(time_us, position_ned, home_ned)
         begins = breach is not None and self._breach is None
         self._breach = breach
@@ -140,7 +149,7 @@ class Missions:
         if objection is not None and objection != self._objected:
             self._commander.say(CRITICAL, objection)
         self._objected = objection
-        self.is_available = bool(plan) and objection is None
+        self._may_be_flown = bool(plan) and objection is None
         self._commander.health = self._commander.health._replace(
             mission_available=self.is_available
         )

@@ -64,7 +64,7 @@ def near(sequence: int, command: int = WAYPOINT, **changes: Any) -> Any:
 
 def test_progress_is_told_as_it_is_made(wired: Wired) -> None:
     assert wired.upload(near(0), near(1), near(2, RETURN, frame=2)) == MissionResult.ACCEPTED
-    wired.fly(0.004)
+    wired.fly(0.1)  # right after an upload in flight a start is refused
     assert wired.flight.command(SET_MODE, 1.0, 4.0, 4.0) == 0
     wired.fly(6.0)
     reached = [m.seq for m in wired.told if m.get_type() == "MISSION_ITEM_REACHED"]
@@ -127,6 +127,7 @@ places = st.builds(
 def test_whatever_is_taken_can_be_flown(items: list[dict[str, Any]], first: int) -> None:
     wired = Wired()
     result = wired.upload(*(item(n, **changes) for n, changes in enumerate(items)))
+    wired.fly(0.1)
     wired.flight.command(MISSION_START, float(first))
     wired.fly(1.0)
     status = wired.flight.autopilot.status

@@ -19,8 +19,13 @@ class MissionRun:
         self.start_us = 0
 
     def upload(self, *plan: MissionItem, current: int = 0) -> None:
+        """Upload, and in flight wait until a start is no longer refused."""
         result = self.missions.replace(PlanKind.MISSION, plan, current)
         assert result == MissionResult.ACCEPTED
+        if self.flight.autopilot.armed:
+            self.flight.run(0.1)
+        if not self.reached:
+            self.start_us = self.flight.time_us
 
     def start(self) -> None:
         self.flight.run(1.1)

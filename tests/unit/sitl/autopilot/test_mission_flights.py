@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from sitl.frames import yaw_of
-from sitl.mission_records import MissionState
+from sitl.mission_records import MissionState, PlanKind
 from sitl.modes import Mode
 from tests.unit.sitl.autopilot.conftest import HOME, NAN, Flight
 from tests.unit.sitl.autopilot.made_plans import (
@@ -86,6 +86,20 @@ def test_the_mode_may_be_chosen_first_and_arming_starts_the_mission(run: Mission
     ]
     assert run.mode is Mode.MISSION
     assert math.dist(run.flight.estimate.position_ned, (8.0, 0.0, -5.0)) < 0.3
+
+
+def test_right_after_an_upload_in_flight_a_start_is_refused(run: MissionRun) -> None:
+    run.in_air()
+    plan = (place(WAYPOINT, 8.0, 0.0, 6.0),)
+    run.missions.replace(PlanKind.MISSION, plan, 0)
+    for _ in range(24):  # 100 ms
+        assert run.flight.command(SET_MODE, 1.0, 4.0, 4.0) == REJECTED
+        run.step()
+    assert run.flight.said == ["2:Switching to Mission is currently not available"] * 24
+    run.step()
+    assert run.flight.command(SET_MODE, 1.0, 4.0, 4.0) == ACCEPTED
+    run.step()
+    assert run.mode is Mode.MISSION
 
 
 def test_no_mission_no_start(run: MissionRun) -> None:
