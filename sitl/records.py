@@ -77,6 +77,7 @@ class Estimate(NamedTuple):
     altitude_valid: bool
     sensors: SensorHealth = SensorHealth()
     battery: float = 1.0  # charge left, 0..1
+    accuracy_m: tuple[float, float] = (0.0, 0.0)  # standard deviation, horizontal and vertical
 
 
 NO_ESTIMATE = Estimate(

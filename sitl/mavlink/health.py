@@ -120,12 +120,15 @@ def extended_sys_state(view: View) -> Message:
 
 
 def estimator_status(view: View) -> Message:
-    """ESTIMATOR_STATUS: what the estimate is good for."""
+    """ESTIMATOR_STATUS: what the estimate is good for, and how far off it may be."""
     flags = ESTIMATOR_ALL
     if not view.status.position_valid:
         flags = ESTIMATOR_ATTITUDE if view.status.attitude_valid else 0
         flags |= ESTIMATOR_VERTICAL if view.status.altitude_valid else 0
-    return mavlink.MAVLink_estimator_status_message(view.time_us, flags, *(0.0,) * 8)
+    ratios = (0.0,) * 6  # of innovations to what they may be: there is no filter that has any
+    return mavlink.MAVLink_estimator_status_message(
+        view.time_us, flags, *ratios, *view.estimate.accuracy_m
+    )
 
 
 def current_mode(view: View) -> Message:

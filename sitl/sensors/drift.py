@@ -115,6 +115,18 @@ class Drift:
         return (w * shrink, x * shrink, y * shrink, z * shrink)
 
 
+def accuracy_m(xy_unaided_us: int, z_unaided_us: int) -> tuple[float, float]:
+    """Give the spread of the errors, horizontal and vertical, after a time without aid."""
+    if xy_unaided_us == 0 and z_unaided_us == 0:
+        return AIDED_M
+    horizontal, vertical = AIDED_M
+    seconds = xy_unaided_us / SECOND_US
+    fall = 0.5 * GRAVITY_M_S2 * TILT.std * seconds * seconds
+    horizontal = math.hypot(horizontal, math.sqrt(2.0) * (VELOCITY_XY.std * seconds + fall))
+    vertical = math.hypot(vertical, VELOCITY_Z.std * z_unaided_us / SECOND_US)
+    return horizontal, vertical
+
+
 def _draw(velocity: Process, pull_s: float, noise: Iterator[float]) -> tuple[float, float]:
     """Draw a velocity error and a position error as they are after a long time."""
     return velocity.std * next(noise), position_std(velocity, pull_s) * next(noise)
@@ -124,3 +136,9 @@ def position_std(velocity: Process, pull_s: float) -> float:
     """Give the spread of a position error whose velocity error is that process."""
     share = velocity.time_constant_s / (velocity.time_constant_s + pull_s)
     return velocity.std * pull_s * math.sqrt(share)
+
+
+AIDED_M = (
+    math.sqrt(2.0) * position_std(VELOCITY_XY, PULL_XY_S),
+    position_std(VELOCITY_Z, PULL_Z_S),
+)

@@ -8,7 +8,7 @@ they do while a filter aligns itself, and false once an aid has been missing for
 import numpy as np
 
 from sitl.records import Estimate, Readings, Vector3, VehicleState
-from sitl.sensors.drift import Drift
+from sitl.sensors.drift import Drift, accuracy_m
 from sitl.sensors.gyro_filter import GyroFilter
 from sitl.sensors.noise import normals
 
@@ -82,6 +82,7 @@ class Estimator:
             *flags,
             sensors,
             readings.battery,
+            self._validity.accuracy_m(state.time_us),
         )
 
 
@@ -114,6 +115,10 @@ class _Validity:
             and (aligned or time_us >= ALTITUDE_VALID_US)
             and time_us - self._height_us < NO_AID_US,
         )
+
+    def accuracy_m(self, time_us: int) -> tuple[float, float]:
+        """Give the spread of the position's errors, horizontal and vertical."""
+        return accuracy_m(time_us - self._gps_us, time_us - self._height_us)
 
 
 def _add(a: Vector3, b: Vector3) -> Vector3:

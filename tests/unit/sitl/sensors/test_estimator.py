@@ -105,6 +105,22 @@ def test_errors_are_as_large_as_in_a_hover_of_a_running_px4():
     assert velocities.std(axis=0) == pytest.approx((0.06, 0.06, 0.02), rel=0.25)
 
 
+def test_the_accuracy_is_told_and_grows_without_aid():
+    estimator = make_estimator()
+    estimator.align()
+    aided = estimator.update(state(0), readings()).accuracy_m
+    expected = position_std(drift.VELOCITY_XY, drift.PULL_XY_S)
+    assert aided[0] == pytest.approx(math.sqrt(2.0) * expected)
+    assert aided[1] == pytest.approx(position_std(drift.VELOCITY_Z, drift.PULL_Z_S))
+    blind = readings(ALL_WELL._replace(gps=False))
+    late = [estimator.update(state(t * 1_000_000), blind).accuracy_m for t in range(1, 6)]
+    assert [x for x, _ in late] == sorted(x for x, _ in late)
+    assert late[4][0] > 3.0 * aided[0]
+    assert late[4][1] == aided[1]  # the barometer is still there
+    assert estimator.update(state(6_000_000), readings()).accuracy_m == aided
+    assert PerfectEstimator().update(state(0), blind).accuracy_m == (0.0, 0.0)
+
+
 def test_the_velocity_error_is_what_moves_the_position_error():
     error = Drift(normals(np.random.default_rng(1)))
     x0 = error.position_ned[0]
