@@ -10,7 +10,7 @@ from types import ModuleType
 from flightstack.errors import FlightstackError
 
 PROGRAM = "python -m flightstack.evaluation"
-COMMANDS = ("figures", "ladder", "offline", "table")
+COMMANDS = ("ablation", "benchmark", "figures", "ladder", "offline", "table")
 EXIT_INTERRUPTED = 130
 
 

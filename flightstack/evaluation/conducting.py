@@ -44,7 +44,5 @@ def _rows(experiment: Experiment, options: argparse.Namespace) -> list[TrialRow]
             raise UsageError(f"{options.out / ROWS} holds no trial yet")
         return rows
     jobs = jobs_of(options)
-    if jobs == 0 or jobs < -1:
-        raise UsageError(f"--jobs must be 1 or more, got {jobs}")
     folder = Folder(options.out, experiment, weights_of(experiment))
     return fly(experiment, folder, jobs=jobs, backend=options.backend, keep_logs=options.keep_logs)

@@ -4,6 +4,7 @@ experiment.json  what was asked for: another experiment's folder is refused
 trials.csv       one row a trial, appended whole as they land, sorted at the end
 times.csv        wall time of each trial, and the flights that died
 traces/, logs/   the way of each trial; its tlog where asked for
+calibration/     of an ablation: what its controls were found by
 """
 
 import csv
@@ -22,6 +23,7 @@ from flightstack.evaluation.rows import TrialRow, header_line, read_rows, to_lin
 
 ASKED, ROWS, TIMES = "experiment.json", "trials.csv", "times.csv"
 TRACES, LOGS = "traces", "logs"
+CALIBRATION = "calibration"  # an experiment of its own, which some are laid out by
 TIME_COLUMNS = ("trial", "wall_s", "flight_s", "simulated_s", "deaths")
 
 
@@ -39,8 +41,8 @@ class Folder:
         asked = json.loads(json.dumps({**experiment.as_table(), "weights": weights}))
         if (path / ASKED).exists():
             _check_same(path, asked)
-        elif path.exists() and (not path.is_dir() or any(path.iterdir())):
-            raise UsageError(f"{path} is not empty and holds no experiment: choose another --out")
+        elif path.exists():
+            _check_free(path)
         try:
             (path / TRACES).mkdir(parents=True, exist_ok=True)
             _write_whole(path / ASKED, json.dumps(asked, indent=2) + "\n")
@@ -114,6 +116,22 @@ class Folder:
             )
             texts = (f"{time_s:.3f}" for time_s in times)
             lines.writerow([str(flown.trial), *texts, "; ".join(flown.deaths)])
+
+
+def calibration_folder(path: Path) -> Path:
+    """Name the place of an experiment's calibration; raises UsageError where none may be."""
+    calibration = path / CALIBRATION
+    if (path / ASKED).exists() and not calibration.exists():
+        raise UsageError(f"{path} holds another experiment: choose another --out")
+    if path.exists() and not (path / ASKED).exists():
+        _check_free(path)
+    return calibration
+
+
+def _check_free(path: Path) -> None:
+    """Refuse a folder that holds more than what was flown to lay an experiment out."""
+    if not path.is_dir() or any(entry.name != CALIBRATION for entry in path.iterdir()):
+        raise UsageError(f"{path} is not empty and holds no experiment: choose another --out")
 
 
 def _check_same(path: Path, asked: dict[str, Any]) -> None:

@@ -14,7 +14,7 @@ from flightstack.evaluation.rows import TrialRow, by_cell, by_track
 from flightstack.evaluation.statistics import Estimate, difference_over
 from flightstack.evaluation.summary import Cell, Summary
 
-STANDS_ON = "level-2"  # what most rungs add one trouble to
+STANDS_ON = "level2"  # what most rungs add one trouble to
 
 
 def ladder_sections(

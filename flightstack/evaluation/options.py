@@ -4,6 +4,8 @@ import argparse
 import os
 from pathlib import Path
 
+from flightstack.errors import UsageError
+
 FIRST_TRACK = 1000
 
 
@@ -22,7 +24,9 @@ def add_flying_options(parser: argparse.ArgumentParser, *, tracks: int = 50) -> 
 
 
 def jobs_of(options: argparse.Namespace) -> int:
-    """How many flights at once: on a Ray cluster all that it can."""
+    """How many flights at once: on a Ray cluster all that it can. Raises UsageError."""
     if options.jobs is not None:
+        if options.jobs == 0 or options.jobs < -1:  # -1 is joblib's for all
+            raise UsageError(f"--jobs must be 1 or more, got {options.jobs}")
         return int(options.jobs)
     return -1 if options.backend == "ray" else len(os.sched_getaffinity(0))

@@ -16,9 +16,14 @@ JSON_FILE, MARKDOWN_FILE = "results.json", "results.md"
 
 def write(folder: Path, summary: Summary, sections: Iterable[str]) -> None:
     """Write both files; the Markdown from sections, each a text with its heading."""
-    text = json.dumps(_plain(asdict(summary)), indent=1, allow_nan=False)
-    (folder / JSON_FILE).write_text(text + "\n")
+    write_json(folder / JSON_FILE, summary)
     (folder / MARKDOWN_FILE).write_text("\n".join(sections))
+
+
+def write_json(path: Path, record: Any) -> None:
+    """Write a record, not-a-numbers as null."""
+    text = json.dumps(_plain(asdict(record)), indent=1, allow_nan=False)
+    path.write_text(text + "\n")
 
 
 def table_sections(summary: Summary) -> list[str]:

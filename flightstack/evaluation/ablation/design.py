@@ -51,7 +51,7 @@ class Point:
 
 
 def corner(papers: Sequence[str]) -> Point:
-    """Return the corner that has the paper's level of these factors, and the plain one of others."""
+    """Return the corner with the paper's level of these factors, the plain one of all others."""
     return Point.of({factor: (PAPERS if factor in papers else PLAIN)[factor] for factor in FACTORS})
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flightstack.errors import UsageError
 from flightstack.evaluation.rows import TrialRow
 from flightstack.training.seeds import VALIDATION_TRACKS
 
@@ -37,7 +38,9 @@ def constant(factor: float) -> str:
 
 
 def validation_tracks(count: int) -> tuple[int, ...]:
-    """Name the first validation tracks."""
+    """Name the first validation tracks; raises UsageError where there are none."""
+    if not 1 <= count <= len(VALIDATION_TRACKS):
+        raise UsageError(f"--validation-tracks must be 1 or more, got {count}")
     return tuple(VALIDATION_TRACKS[:count])
 
 

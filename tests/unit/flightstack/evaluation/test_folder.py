@@ -9,7 +9,7 @@ from flightstack.evaluation import paper
 from flightstack.evaluation.experiment import Experiment, Trial
 from flightstack.evaluation.flights.flight import Flown, Landed
 from flightstack.evaluation.flights.trace import Trace
-from flightstack.evaluation.folder import Folder
+from flightstack.evaluation.folder import Folder, calibration_folder
 from flightstack.evaluation.rows import header_line, read_rows, to_line
 from tests.unit.flightstack.evaluation.made_rows import made_row
 
@@ -120,3 +120,17 @@ def test_refuses_two_commands_at_once(tmp_path: Path) -> None:
     with folder.locked(), refused, other.locked():
         pass
     assert json.loads((tmp_path / "out" / "experiment.json").read_text())["laps"] == 4
+
+
+def test_a_calibration_never_goes_into_what_is_not_its_own(tmp_path: Path) -> None:
+    assert calibration_folder(tmp_path / "new") == tmp_path / "new" / "calibration"
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "notes.txt").write_text("precious")
+    with pytest.raises(UsageError, match="is not empty and holds no experiment"):
+        calibration_folder(tmp_path / "mine")
+    (tmp_path / "table").mkdir()
+    (tmp_path / "table" / "experiment.json").write_text("{}")
+    with pytest.raises(UsageError, match="holds another experiment"):
+        calibration_folder(tmp_path / "table")
+    (tmp_path / "half" / "calibration").mkdir(parents=True)
+    assert calibration_folder(tmp_path / "half").exists()

@@ -71,5 +71,5 @@ def test_a_wrong_rung_is_one_line(text: str, fragments: list[str]) -> None:
 
 @pytest.mark.parametrize("name", ["sea", "sea.toml"])
 def test_an_unknown_rung_names_the_known_ones(name: str) -> None:
-    with pytest.raises(UsageError, match=r"unknown rung 'sea.*level-1, level-2"):
+    with pytest.raises(UsageError, match=r"unknown rung 'sea.*level1, level2"):
         load_rung(name)

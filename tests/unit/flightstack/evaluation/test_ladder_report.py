@@ -6,7 +6,7 @@ from flightstack.evaluation.ladder_report import ladder_sections, rung_costs
 from flightstack.evaluation.summary import summarise
 from tests.unit.flightstack.evaluation.made_rows import made_row
 
-GATES = {"level-2": (32, 30, 31), "fog": (8, 3, 10)}
+GATES = {"level2": (32, 30, 31), "fog": (8, 3, 10)}
 
 
 def rows():
@@ -37,6 +37,6 @@ def test_the_report_has_a_line_a_rung_and_a_column_a_row():
     made = rows()
     text = "\n".join(ladder_sections(summarise(made), made, {"fog": "thick"}, "Ladder"))
     assert "| rung | ours | theirs |" in text
-    assert "| level-2 | 31.00 [30.00, " in text
+    assert "| level2 | 31.00 [30.00, " in text
     assert "- **fog**: thick" in text
     assert "| fog | 3 missed | 3 missed |" in text

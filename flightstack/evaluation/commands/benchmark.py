@@ -1,0 +1,51 @@
+"""Fly your own policy, perception or strategy on the same tracks as the models that come along."""
+
+import argparse
+
+from flightstack.evaluation.options import add_flying_options
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
+    add = parser.add_argument
+    add("--policy", metavar="NAME", help="yours: my_package:MyPolicy (docs/bring-your-own.md)")
+    add("--perception", metavar="NAME", help="yours: my_package:MyPerception")
+    add("--strategy", metavar="NAME", help="yours, or a known one (default: the model's)")
+    add("--model", default="strong/m0", help="whose other parts fly with yours (strong/m0)")
+    add("--against", nargs="*", metavar="MODEL", help="models beside yours (default: --model's)")
+    add(
+        *("--rungs",),
+        nargs="+",
+        default=["level1", "level2"],
+        metavar="RUNG",
+        help="names or TOML files (default: level1 level2)",
+    )
+    add_flying_options(parser, tracks=24)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Fly what is missing, then write and print the results."""
+    # Here, not above: --help must not wait for scipy and torch.
+    from flightstack.errors import UsageError  # noqa: PLC0415
+    from flightstack.evaluation.competitors import make_brought_row, make_rows  # noqa: PLC0415
+    from flightstack.evaluation.conducting import conduct  # noqa: PLC0415
+    from flightstack.evaluation.experiment import Experiment, tracks  # noqa: PLC0415
+    from flightstack.evaluation.ladder import load_rung  # noqa: PLC0415
+    from flightstack.evaluation.results import plain_sections  # noqa: PLC0415
+
+    brought = (options.perception, options.policy, options.strategy)
+    if not any(brought):
+        raise UsageError("name your own part: --policy, --perception or --strategy")
+    own = make_brought_row(
+        options.model, options.strategy, perception=options.perception, policy=options.policy
+    )
+    against = [options.model] if options.against is None else options.against
+    experiment = Experiment(
+        name="benchmark",
+        rows=(own, *make_rows(against, [])),
+        conditions=tuple(load_rung(name)[1] for name in options.rungs),
+        track_seeds=tracks(options.tracks, options.seeds),
+        trials=options.trials,
+        laps=options.laps,
+    )
+    conduct(experiment, options, lambda summary: plain_sections(summary, f"Benchmark, {own.name}"))
