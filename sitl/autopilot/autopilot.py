@@ -61,31 +61,22 @@ class Autopilot:
         self._home_place = Home()
         self._hover_thrust = hover_thrust
         self._estimate = NO_ESTIMATE
-        self._entries = 0
+        self._entries = self._armings = 0
         self._airborne_pending = False
         self._clear = False  # flying, and once well above the ground
         self._cascade = Cascade(parameters, rotor_positions_frd_m, rotor_yaw_moments_m)
-        self._commander = Commander(parameters)
-        self.missions = Missions(parameters, self._commander, home)
-        self._navigator = Navigator(parameters, self.missions.flight)
+        commander = self._commander = Commander(parameters)
+        missions = self.missions = Missions(parameters, commander, home)
+        navigator = self._navigator = Navigator(parameters, missions.flight)
         self._entry = ModeEntry(
-            parameters,
-            self._commander,
-            self._navigator,
-            self.missions,
-            self._home_place,
-            altitude_m=home[2],
+            parameters, commander, navigator, missions, self._home_place, altitude_m=home[2]
         )
-        self._failures = FailureCommands(parameters, self._commander)
-        self._commands = Commands(
-            self._commander, self.missions, self._navigator, self._failures, home
-        )
+        self._failures = FailureCommands(parameters, commander)
+        self._commands = Commands(commander, missions, navigator, self._failures, home)
         self._offboard = OffboardStream(parameters)
         self._manual = Manual(parameters)
         self._stick_override = StickOverride(parameters)
-        self._setpoints = Setpoints(
-            self._commander, self.missions, self._navigator, self._offboard, self._manual
-        )
+        self._setpoints = Setpoints(commander, missions, navigator, self._offboard, self._manual)
         self._health = HealthWatch(parameters)
         self._takeoff = Takeoff(parameters)
         self._land_detector = LandDetector(parameters)
@@ -111,6 +102,11 @@ class Autopilot:
                 OffboardSetpoint(time_us=estimate.time_us, velocity_ned=ORIGIN, yaw_rate_rad_s=0.0)
             )
         commander = self._commander
+        just_armed = commander.armings != self._armings
+        if just_armed:  # perhaps in the same tick as it was disarmed
+            self._armings = commander.armings
+            self._takeoff.update(estimate.time_us, armed=False, landed=True, wants_climb=False)
+            self._health.links.armed(estimate.time_us)
         landed = self._detect_landing(estimate)
         health = self._health.update(
             estimate,
@@ -120,10 +116,7 @@ class Autopilot:
         )
         commander.update(estimate.time_us, health, landed=landed)
         request, self._commands.home_request = self._commands.home_request, None
-        just_armed = commander.armed and self._takeoff.stage is Stage.DISARMED
         self._home_place.keep(estimate, request, just_armed=just_armed)
-        if just_armed:
-            self._health.links.armed(estimate.time_us)
         if commander.entries != self._entries:
             self._entries = commander.entries
             flies = self._takeoff.stage is Stage.FLIGHT

@@ -43,6 +43,7 @@ class Commander:
         self._cause: Cause | None = None  # of the failsafe
         self._memory = CALM
         self.goal = Goal()
+        self.armings = 0
         self.entries = 0  # counts beginnings of a mode, so that one can begin again
         self.health = Health()
         self._after_disarming = Mode.HOLD
@@ -119,6 +120,7 @@ class Commander:
         self.armed, self._has_flown, self._landed = True, False, True
         self._since_us = self._time_us
         self._after_disarming = self.intended
+        self.armings += 1
         self.entries += 1
         self.say(INFO, text)
         return True

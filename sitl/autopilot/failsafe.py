@@ -212,7 +212,7 @@ def decide(conditions: Conditions, memory: Memory, time_us: int) -> tuple[Decisi
         found.append(memory.kept)
     if not found:
         return Decision(intended), Memory(overridden=overridden)
-    worst = max(found, key=lambda trigger: trigger.action)
+    worst = max(found, key=lambda trigger: (trigger.action, not trigger.waits))
     since_us = time_us if memory.since_us is None else memory.since_us
     waits = worst.waits and worst.action > Action.HOLD and intended not in ON_THE_WAY_DOWN
     if waits and time_us - since_us < conditions.actions.hold_us:

@@ -235,6 +235,11 @@ def test_the_gravest_action_is_taken():
     assert at_once(both) == Decision(Mode.LAND, Cause.BATTERY)
 
 
+def test_of_equally_grave_actions_the_one_that_does_not_wait_is_taken():
+    both = conditions(Mode.HOLD, sticks_lost=True, sticks_loss=2, fence_breached=True, fence=3)
+    assert at_once(both) == Decision(Mode.RTL, Cause.FENCE)
+
+
 @pytest.mark.parametrize("mode", [Mode.RTL, Mode.LAND])
 def test_a_vehicle_on_its_way_down_is_not_kept_from_it(mode):
     assert at_once(conditions(mode, sticks_lost=True)).mode is mode

@@ -4,8 +4,11 @@ import pytest
 
 from sitl.modes import Mode
 from sitl.records import Estimate
+from sitl.vehicle_records import Sticks
 
 TICK_S = 0.004
+ARM = 400
+AXES = ("forward", "right", "up", "turn")
 
 
 @pytest.fixture
@@ -150,3 +153,19 @@ def test_a_parameter_acts_at_once_on_what_has_already_happened(hovering):
     hovering.parameters.set("NAV_DLL_ACT", 1)
     hovering.run(0.02)
     assert hovering.autopilot.status.failsafe
+
+
+@pytest.mark.parametrize("pause_s", [0.0, 0.1])
+def test_sticks_that_were_lost_before_arming_are_not_missed(flight, pause_s):
+    flight.run(1.1)
+    flight.autopilot.manual_control(Sticks(time_us=flight.time_us, **dict.fromkeys(AXES, 0.0)))
+    assert flight.command(ARM, 1.0) == 0
+    flight.run(1.0)
+    assert flight.autopilot.status.failsafe
+    flight.command(ARM, 0.0)
+    flight.run(pause_s)  # none: disarmed and armed between two ticks
+    flight.texts.clear()
+    assert flight.command(ARM, 1.0) == 0
+    flight.run(3.0)
+    assert flight.said[-1] == "6:Armed by external command"
+    assert not flight.autopilot.status.failsafe
