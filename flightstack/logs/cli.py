@@ -1,30 +1,19 @@
 """The command line: python -m flightstack.logs LOG."""
 
 import argparse
+import gc
 import importlib
 import json
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from typing import Any, NamedTuple
 
 from flightstack.errors import FlightstackError
 
-COMMANDS = (
-    "summary",
-    "messages",
-    "texts",
-    "params",
-    "dump",
-    "plot",
-    "report",
-    "check",
-    "why",
-    "export",
-    "compare",
-    "follow",
-)
 DESCRIPTION = "Inspect MAVLink logs (tlogs). A bare path gives the summary."
+PROGRAM = "python -m flightstack.logs"
 
 
 def _add_summary(parser: argparse.ArgumentParser) -> None:
@@ -101,58 +90,84 @@ def _add_follow(parser: argparse.ArgumentParser) -> None:
     add("--from-start", action="store_true", help="begin at the start of the log, not its end")
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """Return the whole command line."""
-    parser = argparse.ArgumentParser(prog="python -m flightstack.logs", description=DESCRIPTION)
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+def _add_compare(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("other", type=Path, metavar="OTHER")
 
-    def add(name: str, about: str, *, log: bool = True) -> argparse.ArgumentParser:
-        command = commands.add_parser(name, help=about, description=about)
-        if log:
-            command.add_argument("log", type=Path, metavar="LOG")
-        command.add_argument("--json", action="store_true", help="for programs")
-        command.add_argument("--system", type=int, metavar="N", help="the vehicle's system id")
-        return command
 
-    _add_summary(add("summary", "what happened, on one page; a line a log for folders", log=False))
-    add("messages", "every type by source: count, rate, first and last")
-    add("texts", "status texts")
-    _add_params(add("params", "parameters and their changes"))
-    _add_dump(add("dump", "every message as text, JSON or CSV, as mavlogdump prints them"))
-    _add_plot(add("plot", "fields over time, on a background of flight modes"))
-    _add_report(add("report", "one HTML page with all of the flight"))
-    _add_check(add("check", "health checks, worst first"))
-    _add_why(add("why", "the seconds before a gate was missed"))
-    _add_export(add("export", "CSV, Parquet, or MCAP for Foxglove"))
-    add("compare", "two logs side by side").add_argument("other", type=Path, metavar="OTHER")
-    _add_follow(add("follow", "a log that is being written, or a live link", log=False))
+class Command(NamedTuple):
+    """What the command line says of a command; its code is the module of that name."""
+
+    about: str
+    add_options: Callable[[argparse.ArgumentParser], None] | None = None
+    takes_log: bool = True
+
+
+COMMANDS = {
+    "summary": Command(
+        "what happened, on one page; a line a log for folders", _add_summary, takes_log=False
+    ),
+    "messages": Command("every type by source: count, rate, first and last"),
+    "texts": Command("status texts"),
+    "params": Command("parameters and their changes", _add_params),
+    "dump": Command("every message as text, JSON or CSV, as mavlogdump prints them", _add_dump),
+    "plot": Command("fields over time, on a background of flight modes", _add_plot),
+    "report": Command("one HTML page with all of the flight", _add_report),
+    "check": Command("health checks, worst first", _add_check),
+    "why": Command("the seconds before a gate was missed", _add_why),
+    "export": Command("CSV, Parquet, or MCAP for Foxglove", _add_export),
+    "compare": Command("two logs side by side", _add_compare),
+    "follow": Command("a log that is being written, or a live link", _add_follow, takes_log=False),
+}
+
+
+def build_parser(names: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
+    """Return the command line with these commands."""
+    parser = argparse.ArgumentParser(prog=PROGRAM, description=DESCRIPTION)
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, prog=PROGRAM)
+    for name in names:
+        command = COMMANDS[name]
+        options = commands.add_parser(name, help=command.about, description=command.about)
+        if command.takes_log:
+            options.add_argument("log", type=Path, metavar="LOG")
+        options.add_argument("--json", action="store_true", help="for programs")
+        options.add_argument("--system", type=int, metavar="N", help="the vehicle's system id")
+        if command.add_options is not None:
+            command.add_options(options)
     return parser
 
 
-def _with_command(arguments: Sequence[str]) -> list[str]:
-    """Return the arguments with "summary" before a bare path."""
-    given = list(arguments)
-    options = ("-h", "--help")
-    if given and given[0] not in (*COMMANDS, *options):
-        return ["summary", *given]
-    return given or ["--help"]
+def parse(arguments: Sequence[str]) -> argparse.Namespace:
+    """Return the parsed command line; a bare path is a summary of it."""
+    given = list(arguments) or ["--help"]
+    if given[0] in ("-h", "--help"):
+        return build_parser().parse_args(given)
+    if given[0] not in COMMANDS:
+        given.insert(0, "summary")
+    return build_parser(given[:1]).parse_args(given)
+
+
+def _imported(name: str) -> Any:
+    """Import a module without looking for garbage: what it makes stays."""
+    gc.disable()
+    try:
+        return importlib.import_module(name)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run one command and return its exit code."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy then starts in half the time
-    module = importlib.import_module(f"flightstack.logs.commands.{arguments.command}")
-    numpy = importlib.import_module("numpy")
-    with numpy.errstate(all="ignore"):  # logs hold NaN and worse
+    module = _imported(f"flightstack.logs.commands.{arguments.command}")
+    with _imported("numpy").errstate(all="ignore"):  # logs hold NaN and worse
         code: int = module.run(arguments)
     return code
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; errors are one line, and the exit code says what kind."""
-    parsed = build_parser().parse_args(
-        _with_command(sys.argv[1:] if arguments is None else arguments)
-    )
+    parsed = parse(sys.argv[1:] if arguments is None else arguments)
     try:
         code = run(parsed)
         sys.stdout.flush()

@@ -43,7 +43,7 @@ def _suspects(times: Times) -> NDArray[np.intp]:
     """Return the rows on either side of every large step."""
     steps = np.diff(times)
     before = np.flatnonzero((steps > SPIKE_US) | (steps < -SPIKE_US))
-    return np.unique(np.r_[before, before + 1])
+    return np.unique(np.append(before, before + 1)) if len(before) else before
 
 
 def spikes(times: Times) -> NDArray[np.intp]:
@@ -75,6 +75,17 @@ def mend(times: Times) -> tuple[Times, int]:
         damaged = damaged[:0]
     lost[damaged] = True
     return _filled(np.where(lost, NO_TIME, filled)), int(lost.sum())
+
+
+def runs_on(times: Times) -> bool:
+    """Return whether `mend` would change none of these times, whichever of them it was given.
+
+    So it is where none is far behind the latest before it: of the five around a time, two before
+    it cannot be much later, and two after it not much earlier, so the median is near.
+    """
+    behind = np.maximum.accumulate(times) - times
+    span_us = int(times.max()) - int(times.min())
+    return span_us < DAY_US and bool((behind <= SPIKE_US // 2).all())
 
 
 def jumps(times: Times) -> list[ClockJump]:

@@ -5,11 +5,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.clock import ClockJump
-from flightstack.logs.frames import CHECKSUM, HEADER_V1, HEADER_V2, SIGNATURE, TIMESTAMP, Frames
+from flightstack.logs import clock
+from flightstack.logs.frames import (
+    CHECKSUM,
+    HEADER_V1,
+    HEADER_V2,
+    LINK_BITS,
+    SIGNATURE,
+    TIMESTAMP,
+    Frames,
+)
 from flightstack.logs.source import Source
 
-LINK_BITS = 3  # MAVProxy writes the number of the link into the low two bits of the time
 REORDERED = 128  # a step this far ahead in sequence numbers of 8 bits is a step back
 
 
@@ -47,7 +54,7 @@ class Damage:
     regions: tuple[Region, ...]
     has_times: bool  # False: a raw stream without times
     mended_times: int
-    jumps: tuple[ClockJump, ...]
+    jumps: tuple[clock.ClockJump, ...]
     duplicates: int  # records that stand in the file twice
 
     @property
@@ -122,6 +129,21 @@ def count_duplicates(frames: Frames, times: NDArray[np.int64]) -> int:
     order = np.lexsort((key, times))
     same = (np.diff(times[order]) == 0) & (np.diff(key[order]) == 0)
     return int(np.count_nonzero(same))
+
+
+def find_damage(source: Source, frames: Frames, time_us: NDArray[np.int64]) -> Damage:
+    """Return what a log has lost, from all of its frames and their mended times."""
+    regions, has_times = find_regions(source, frames, time_us)
+    _, mended = clock.mend(frames.time_us)
+    jumps = tuple(clock.jumps(time_us))
+    backwards = any(jump.jump_us < 0 for jump in jumps)
+    return Damage(
+        regions=tuple(regions),
+        has_times=has_times,
+        mended_times=mended if has_times else 0,
+        jumps=jumps,
+        duplicates=count_duplicates(frames, time_us) if backwards else 0,
+    )
 
 
 def _steps(sequence: NDArray[np.uint8]) -> tuple[int, int, int]:

@@ -1,40 +1,29 @@
 """MAVLink message types as numpy layouts, built from pymavlink's own definitions.
 
-The dialect is pymavlink's "all": what PX4, ArduPilot and the ground stations send, in one import
-of 0.05 s. Bytes lie on the wire in the order of `dtype`; fields are presented in the order of the
-message's definition, extensions last.
+Bytes lie on the wire in the order of `dtype`; fields are presented in the order of the message's
+definition, extensions last.
 """
 
-import struct
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pymavlink.dialects.v20 import all as mavlink
 
+from flightstack.logs.definitions import definitions, mavlink
 from flightstack.logs.errors import UnknownNameError
 from flightstack.logs.nearest import did_you_mean
 
-NUMPY_FORMATS = {
-    "b": "i1",
-    "B": "u1",
-    "h": "<i2",
-    "H": "<u2",
-    "i": "<i4",
-    "I": "<u4",
-    "q": "<i8",
-    "Q": "<u8",
-    "f": "<f4",
-    "d": "<f8",
-}
 MSGID_LIMIT = 1 << 24  # message ids of MAVLink 2 have 24 bits
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Field:
-    """One field of a message: what it is called, counted in, and how it lies on the wire."""
+    """One field of a message: what it is called, counted in, and how it lies on the wire.
+
+    The order of these values is that in Definition.fields.
+    """
 
     name: str
     unit: str  # as MAVLink writes it, "" where it has none
@@ -64,68 +53,38 @@ class MessageType:
         raise UnknownNameError(f"{self.name} has no field {name!r}{did_you_mean(name, names)}")
 
 
-def _wire_format(code: str, array_length: int) -> tuple[str, int]:
-    """Return the numpy format of one wire field and its number of elements."""
-    if code == "c":
-        return f"S{max(array_length, 1)}", 1
-    return NUMPY_FORMATS[code], array_length
-
-
-def _layout(definition: Any) -> np.dtype[np.void]:
-    codes = definition.native_format.decode().lstrip("<")
-    layout: list[tuple[str, str] | tuple[str, str, tuple[int]]] = []
-    wire_fields = zip(definition.ordered_fieldnames, codes, definition.array_lengths, strict=True)
-    for name, code, array_length in wire_fields:
-        numpy_format, length = _wire_format(code, array_length)
-        if length > 1:
-            layout.append((name, numpy_format, (length,)))
-        else:
-            layout.append((name, numpy_format))
-    return np.dtype(layout)
-
-
-def _fields(definition: Any) -> tuple[Field, ...]:
-    lengths = dict(zip(definition.ordered_fieldnames, definition.array_lengths, strict=True))
-    return tuple(
-        Field(
-            name=name,
-            unit=definition.fieldunits_by_name.get(name, ""),
-            enum=definition.fieldenums_by_name.get(name, ""),
-            is_bitmask=definition.fielddisplays_by_name.get(name) == "bitmask",
-            is_text=kind == "char",
-            length=0 if kind == "char" or lengths[name] == 1 else lengths[name],
-        )
-        for name, kind in zip(definition.fieldnames, definition.fieldtypes, strict=True)
+def _layout(wire: list[list[Any]]) -> np.dtype[np.void]:
+    return np.dtype(
+        [(name, kind, (count,)) if count > 1 else (name, kind) for name, kind, count in wire]
     )
 
 
 @cache
 def message_type(msgid: int) -> MessageType | None:
     """Return the message type with this id, None where the dialect has none."""
-    definition = mavlink.mavlink_map.get(msgid)
+    definition = definitions().get(msgid)
     if definition is None:
         return None
-    size = struct.calcsize(definition.unpacker.format)
     return MessageType(
         id=msgid,
-        name=definition.msgname,
+        name=definition.name,
         crc_extra=definition.crc_extra,
-        size=size,
-        dtype=_layout(definition),
-        fields=_fields(definition),
+        size=definition.size,
+        dtype=_layout(definition.wire),
+        fields=tuple(Field(*values) for values in definition.fields),
     )
 
 
 @cache
 def ids_by_name() -> dict[str, int]:
     """Return the id of every message name of the dialect."""
-    return {definition.msgname: msgid for msgid, definition in mavlink.mavlink_map.items()}
+    return {definition.name: msgid for msgid, definition in definitions().items()}
 
 
 def message_name(msgid: int) -> str:
     """Return the name of a message id; UNKNOWN_<id> where the dialect has none."""
-    definition = mavlink.mavlink_map.get(msgid)
-    return f"UNKNOWN_{msgid}" if definition is None else str(definition.msgname)
+    definition = definitions().get(msgid)
+    return f"UNKNOWN_{msgid}" if definition is None else definition.name
 
 
 def message_id(name: str) -> int:
@@ -154,26 +113,26 @@ class FramingTables:
 @cache
 def framing_tables() -> FramingTables:
     """Return the tables that framing looks message ids up in."""
-    ids = sorted(mavlink.mavlink_map)
-    definitions = [mavlink.mavlink_map[msgid] for msgid in ids]
+    ids = sorted(definitions())
+    rows = [definitions()[msgid] for msgid in ids]
     row_of_low_id = np.full(1 << 16, -1, dtype=np.int32)
     low = [msgid for msgid in ids if msgid < 1 << 16]
     row_of_low_id[low] = np.arange(len(low))
     return FramingTables(
         ids=np.array(ids, dtype=np.uint32),
-        crc_extra=np.array([d.crc_extra for d in definitions], dtype=np.uint16),
-        size=np.array([d.unpacker.size for d in definitions], dtype=np.int64),
+        crc_extra=np.array([row.crc_extra for row in rows], dtype=np.uint16),
+        size=np.array([row.size for row in rows], dtype=np.int64),
         row_of_low_id=row_of_low_id,
     )
 
 
 def enum_name(enum: str, value: int) -> str:
     """Return the name of an enumeration's value without the common prefix of its enumeration."""
-    entry = mavlink.enums.get(enum, {}).get(value)
+    entry = mavlink().enums.get(enum, {}).get(value)
     return str(value) if entry is None else str(entry.name)
 
 
 def bitmask_names(enum: str, value: int) -> list[str]:
     """Return the names of all bits that are set in `value`."""
-    entries = mavlink.enums.get(enum, {})
+    entries = mavlink().enums.get(enum, {})
     return [str(entry.name) for bit, entry in entries.items() if bit and value & bit == bit]

@@ -1,155 +1,169 @@
 """Write columns as text without a Python step a value.
 
-A text column is a matrix of bytes, one row a value, padded with NUL. Columns and constant pieces
-are laid side by side, and all NULs dropped at once: what is left is the text of all lines. Numbers
-look as `str` writes them; orjson writes them fifteen times faster, where it is installed and where
-it agrees with `str`.
+Text is a matrix of bytes, one row a line, in which NULs stand for nothing: `text_of` drops them
+all at once. Numbers are written row by row into one string, then cut at its commas into cells of
+one width, each with room before it for the constant text between columns. Numbers look as `str`
+writes them; orjson writes them fifteen times faster, where it is installed and where it agrees.
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
 
 Bytes = NDArray[np.uint8]  # (n, width) text, padded with NUL
+Part = str | NDArray[np.generic]  # what a line is made of: a constant, (n,) numbers, or Bytes
 ONE_DIGIT = (1e-10, 1e-5)  # between these orjson writes e-7 where `str` writes e-07
 NO_EXPONENT = (1e-5, 1e-4)  # between these orjson writes no exponent, but `str` does
+LONGEST_NUMBER = 24  # -2.2250738585072014e-308
+WORD = 8  # widths of cells are multiples of it, so that whole words are copied
 
 
-def _joined_by_repr(values: NDArray[np.generic]) -> bytes:
-    return ",".join(map(repr, values.tolist())).encode()
+def _listed_by_repr(values: NDArray[np.generic]) -> bytes:
+    return b"[%b]" % ",".join(map(repr, values.tolist())).encode()
 
 
-def _find_joiner() -> Callable[[NDArray[np.generic]], bytes]:
+def _find_lister() -> Callable[[NDArray[np.generic]], bytes]:
     try:
         import orjson  # noqa: PLC0415
     except ImportError:
-        return _joined_by_repr
-
-    def joined(values: NDArray[np.generic]) -> bytes:
-        return orjson.dumps(values, option=orjson.OPT_SERIALIZE_NUMPY)[1:-1]
-
-    return joined
+        return _listed_by_repr
+    return partial(orjson.dumps, option=orjson.OPT_SERIALIZE_NUMPY)
 
 
-_joined = _find_joiner()
-
-
-def from_pieces(text: bytes, starts: NDArray[np.int64], lengths: NDArray[np.int64]) -> Bytes:
-    """Return pieces of a text as a matrix."""
-    width = max(int(lengths.max(initial=0)), 1)
-    padded = np.frombuffer(text + bytes(width), dtype=np.uint8)
-    every_row = np.ndarray((len(padded) - width + 1,), f"V{width}", buffer=padded, strides=(1,))
-    matrix = every_row[starts].view(np.uint8).reshape(len(starts), width)
-    matrix[np.arange(width) >= lengths[:, None]] = 0
-    return matrix
-
-
-def from_bytes(values: Sequence[bytes]) -> Bytes:
-    """Return byte strings as a matrix; NULs in them are lost."""
-    array = np.array(list(values), dtype=np.bytes_)
-    return (
-        array.view(np.uint8).reshape(len(array), -1) if len(array) else np.empty((0, 1), np.uint8)
-    )
+_listed = _find_lister()  # [1.5,-2.0]
 
 
 def from_texts(values: Sequence[str]) -> Bytes:
-    """Return strings as a matrix, UTF-8."""
-    return from_bytes([value.encode(errors="replace") for value in values])
+    """Return strings as a matrix, UTF-8; NULs in them are lost."""
+    array = np.array([value.encode(errors="replace") for value in values], dtype=np.bytes_)
+    width = max(array.itemsize, 1)
+    return array.view(np.uint8).reshape(-1, width) if len(array) else np.empty((0, 1), np.uint8)
 
 
-def from_numbers(column: NDArray[np.generic]) -> Bytes:
-    """Return numbers as `str` writes them, as a matrix; 32-bit floats as the doubles they are."""
-    if not len(column):
-        return np.empty((0, 1), dtype=np.uint8)
-    if column.dtype.kind != "f":
-        wide = column.astype(np.uint64 if column.dtype.kind == "u" else np.int64)
-        return _split(_joined(wide))
-    with np.errstate(invalid="ignore"):  # signalling NaNs of damaged floats
-        values = column.astype(np.float64)
-    finite = np.isfinite(values)
-    matrix = _split(_joined(values if finite.all() else np.where(finite, values, 0.0)))
+def _cells(listed: bytes, room: int) -> Bytes:
+    """Return the values of a list, one a row, with this much room before each."""
+    flat = np.frombuffer(listed, dtype=np.uint8)
+    ends = np.append(np.flatnonzero(flat == ord(",")), len(flat) - len("]"))
+    starts = np.append(len("["), ends[:-1] + len(","))
+    width = -(-(room + LONGEST_NUMBER) // WORD) * WORD
+    padded = np.frombuffer(b"".join((bytes(room), listed, bytes(width))), dtype=np.uint8)
+    every_row = np.ndarray((len(padded) - width + 1,), f"V{width}", buffer=padded, strides=(1,))
+    cells: Bytes = every_row[starts].view(np.uint8).reshape(len(starts), width)
+    place = np.arange(width) - room
+    is_text = (place >= 0) & (place < np.arange(LONGEST_NUMBER + 1)[:, None])
+    masks = (is_text * np.uint8(0xFF)).view(np.uint64)
+    words = cells.view(np.uint64)
+    words &= masks.take(ends - starts, axis=0)
+    return cells
+
+
+def _rewrite(cells: Bytes, values: NDArray[np.float64]) -> None:
+    """Write numbers anew where `str` and orjson differ; NaN and the infinities are zeros so far."""
     size = np.abs(values)
-    for (least, most), rewrite in REWRITTEN:
+    for (least, most), rewritten in REWRITTEN:
         rows = np.flatnonzero((size >= least) & (size < most))
         if len(rows):
-            matrix = _with_rows(matrix, rows, rewrite(matrix[rows]))
-    special = np.flatnonzero(~finite)
+            cells[rows] = rewritten(cells[rows])
+    special = np.flatnonzero(~np.isfinite(values))
     if len(special):
         words = from_texts(["nan", "inf", "-inf"])
         which = np.where(np.isnan(values[special]), 0, np.where(values[special] > 0, 1, 2))
-        matrix = _with_rows(matrix, special, words[which])
-    return matrix
+        cells[special] = 0
+        cells[special, : words.shape[1]] = words[which]
 
 
-def _with_rows(matrix: Bytes, rows: NDArray[np.intp], new: Bytes) -> Bytes:
-    """Return the matrix with other rows in some places, wider if they need it."""
-    if new.shape[1] > matrix.shape[1]:
-        matrix = np.pad(matrix, ((0, 0), (0, new.shape[1] - matrix.shape[1])))
-    matrix[rows] = 0
-    matrix[rows, : new.shape[1]] = new
-    return matrix
-
-
-def _with_exponent(matrix: Bytes) -> Bytes:
+def _with_exponent(numbers: Bytes) -> Bytes:
     """Return 0.0000123 as 1.23e-05; rows that `repr` made already so stay as they are."""
-    negative = matrix[:, 0] == ord("-")
-    plain = np.where(negative[:, None], np.roll(matrix, -1, axis=1), matrix)
+    negative = numbers[:, 0] == ord("-")
+    plain = np.where(negative[:, None], np.roll(numbers, -1, axis=1), numbers)
     if (plain[:, 1] != ord(".")).any() or (plain[:, 2] != ord("0")).any():
-        return matrix
+        return numbers
     sign = np.where(negative, ord("-"), 0).astype(np.uint8)[:, None]
     digits = plain[:, len("0.0000") :].copy()
     digits[negative, -1] = 0  # where the sign was rolled to
     point = np.where(digits[:, 1] != 0, ord("."), 0).astype(np.uint8)[:, None]
-    return beside([sign, digits[:, :1], point, digits[:, 1:], "e-05"], len(matrix))
+    exponent = np.broadcast_to(np.frombuffer(b"e-05", dtype=np.uint8), (len(numbers), 4))
+    return np.hstack((sign, digits[:, :1], point, digits[:, 1:], exponent))
 
 
-def _with_two_digits(matrix: Bytes) -> Bytes:
+def _with_two_digits(numbers: Bytes) -> Bytes:
     """Return 1.23e-7 as 1.23e-07; rows that `repr` made already so stay as they are."""
-    count = np.arange(len(matrix))
-    last = np.count_nonzero(matrix, axis=1) - 1
-    is_short = matrix[count, last - 1] == ord("-")
-    digit = np.where(is_short, matrix[count, last], 0).astype(np.uint8)
-    matrix[count[is_short], last[is_short]] = 0
-    zero = np.where(is_short, ord("0"), 0).astype(np.uint8)
-    return np.hstack((matrix, zero[:, None], digit[:, None]))
+    count = np.arange(len(numbers))
+    last = np.count_nonzero(numbers, axis=1) - 1
+    short = np.flatnonzero(numbers[count, last - 1] == ord("-"))
+    numbers[short, last[short] + 1] = numbers[short, last[short]]
+    numbers[short, last[short]] = ord("0")
+    return numbers
 
 
 REWRITTEN = ((ONE_DIGIT, _with_two_digits), (NO_EXPONENT, _with_exponent))
 
 
-def _split(joined: bytes) -> Bytes:
-    """Return values that are joined by commas as a matrix."""
-    flat = np.frombuffer(joined, dtype=np.uint8)
-    ends = np.r_[np.flatnonzero(flat == ord(",")), len(flat)].astype(np.int64)
-    starts = np.r_[0, ends[:-1] + 1]
-    return from_pieces(joined, starts, ends - starts)
+def _numbers(prefixes: Sequence[str], columns: Sequence[NDArray[np.generic]], kind: str) -> Bytes:
+    """Return columns of numbers side by side, each after its prefix."""
+    values = np.empty((len(columns[0]), len(columns)), dtype=kind)
+    with np.errstate(invalid="ignore"):  # signalling NaNs of damaged floats
+        for index, column in enumerate(columns):
+            values[:, index] = column
+    flat = values.reshape(-1)
+    finite = np.isfinite(flat)
+    encoded = from_texts(prefixes)
+    room = encoded.shape[1]
+    cells = _cells(_listed(flat if finite.all() else np.where(finite, flat, 0)), room)
+    if kind == "f8":
+        _rewrite(cells[:, room : room + LONGEST_NUMBER], values.reshape(-1))
+    constant = np.zeros((len(columns), cells.shape[1]), dtype=np.uint8)
+    constant[:, :room] = encoded
+    lines = cells.reshape(len(values), -1)
+    words = lines.view(np.uint64)
+    words |= constant.reshape(-1).view(np.uint64)
+    return lines
 
 
-def from_column(column: NDArray[np.generic]) -> Bytes:
-    """Return any column of a table: numbers, text, or arrays of numbers as Python lists."""
-    if column.dtype.kind == "U":
-        return from_texts(column.tolist())
-    if column.ndim == 1:
-        return from_numbers(column)
-    count, length = column.shape
-    cells = from_numbers(column.reshape(-1)).reshape(count, length, -1)
-    parts: list[Bytes | str] = ["["]
-    for index in range(length):
-        parts += [cells[:, index], ", " if index + 1 < length else "]"]
-    return beside(parts, count)
+def _kind(column: NDArray[np.generic]) -> str:
+    """Return the type that a column of numbers is written as: one that holds its every value."""
+    if column.dtype.kind == "f":
+        return "f8"
+    return "u8" if column.dtype == np.uint64 else "i8"
 
 
-def beside(parts: Sequence[Bytes | str], count: int) -> Bytes:
-    """Return columns and constant pieces side by side, for this many rows."""
-    columns = []
+def beside(parts: Sequence[Part], count: int) -> Bytes:
+    """Return constants, numbers and text side by side, for this many rows."""
+    if not count:
+        return np.empty((0, 1), dtype=np.uint8)
+    prefix = ""
+    cells: list[tuple[str, str, NDArray[np.generic]]] = []  # kind, text before, what comes then
     for part in parts:
         if isinstance(part, str):
-            constant = np.frombuffer(part.encode(), dtype=np.uint8)
-            columns.append(np.broadcast_to(constant, (count, len(constant))))
+            prefix += part
         else:
-            columns.append(part)
-    return np.concatenate(columns, axis=1)
+            cells.append(("text" if part.ndim == 2 else _kind(part), prefix, part))
+            prefix = ""
+    columns: list[Bytes] = []
+    for kind, group in groupby(cells, key=lambda cell: cell[0]):
+        _, prefixes, values = zip(*group, strict=True)
+        if kind == "text":
+            for before, text in zip(prefixes, values, strict=True):
+                columns += [_constant(before, count), text.view(np.uint8)]
+        else:
+            columns.append(_numbers(prefixes, values, kind))
+    return np.concatenate([*columns, _constant(prefix, count)], axis=1)
+
+
+def _constant(text: str, count: int) -> Bytes:
+    encoded = np.frombuffer(text.encode(), dtype=np.uint8)
+    return np.broadcast_to(encoded, (count, len(encoded)))
+
+
+def as_list(column: NDArray[np.generic]) -> list[Part]:
+    """Return the parts that write rows of an array as Python lists."""
+    parts: list[Part] = ["["]
+    for index in range(column.shape[1]):
+        parts += [", " if index else "", column[:, index]]
+    return [*parts, "]"]
 
 
 def text_of(matrix: Bytes) -> bytes:

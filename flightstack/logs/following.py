@@ -12,8 +12,9 @@ from flightstack.logs.course import REFEREE
 from flightstack.logs.damage import find_losses
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.frames import Frames, join
-from flightstack.logs.log import Log, read_bytes
+from flightstack.logs.log import Log
 from flightstack.logs.modes import mode_name
+from flightstack.logs.reading import read_bytes
 from flightstack.logs.texts import status_texts
 from flightstack.logs.vehicle import ARMED, AUTOPILOT_INVALID
 

@@ -7,12 +7,15 @@ from numpy.typing import NDArray
 
 NO_TIME = np.iinfo(np.int64).min  # time_us of a record whose eight bytes of time are lost
 
+LINK_BITS = 3  # MAVProxy writes the number of the link into the low two bits of the time
+
 HEADER_V1 = 6
 HEADER_V2 = 10
 CHECKSUM = 2
 SIGNATURE = 13
 TIMESTAMP = 8
 MAX_FRAME = HEADER_V2 + 255 + CHECKSUM + SIGNATURE
+MARGIN = 2 * (MAX_FRAME + TIMESTAMP)  # what starts so far before an end has its neighbour whole
 
 IS_V2 = 1  # bits of Frames.flags
 IS_SIGNED = 2

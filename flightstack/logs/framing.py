@@ -93,23 +93,28 @@ def magic_positions(data: Bytes) -> Positions:
     return np.concatenate(blocks).astype(np.int64) if blocks else np.empty(0, dtype=np.int64)
 
 
-def find_candidates(data: Bytes, limit: int) -> Candidates:
-    """Return the places before `limit` where a whole frame of a known message may start."""
-    stop = max(0, min(limit, len(data) - SMALLEST_FRAME + 1))
-    position = magic_positions(data[:stop])
+def find_headers(data: Bytes) -> Candidates:
+    """Return the places where a whole frame of any message may start; row -1 where unknown."""
+    position = magic_positions(data[: max(0, len(data) - SMALLEST_FRAME + 1)])
     is_v2 = data[position] == MAGIC_V2
     incompatible = data[position + 2]
     keep = ~is_v2 | (incompatible <= SIGNED_FLAG)
     position, is_v2, incompatible = position[keep], is_v2[keep], incompatible[keep]
-    candidates = Candidates(
+    headers = Candidates(
         position,
         is_v2,
         is_v2 & (incompatible == SIGNED_FLAG),
         data[position + 1].astype(np.int64),
         message_rows(data, position, is_v2),
     )
-    fits = candidates.is_v2 | (candidates.length <= framing_tables().size[candidates.row])
-    return candidates.take((candidates.row >= 0) & fits & (candidates.end <= len(data)))
+    return headers.take(headers.end <= len(data))
+
+
+def find_candidates(data: Bytes) -> Candidates:
+    """Return the places where a whole frame of a known message may start."""
+    headers = find_headers(data)
+    fits = headers.is_v2 | (headers.length <= framing_tables().size[headers.row])
+    return headers.take((headers.row >= 0) & fits)
 
 
 def holds_checksum(data: Bytes, candidates: Candidates) -> NDArray[np.bool_]:
@@ -199,7 +204,7 @@ def find_frames(data: Bytes, *, free_from: int, limit: int) -> Frames:
     `free_from` is where the last frame before ended; frames from `limit` on are left for the next
     stretch. Offsets are positions in `data`.
     """
-    found = find_candidates(data, len(data))
+    found = find_candidates(data)
     found = found.take(found.position >= free_from)
     found = found.take(holds_checksum(data, found))
     if len(found.position) == 0:

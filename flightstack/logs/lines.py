@@ -18,7 +18,7 @@ from flightstack.logs.errors import UnknownNameError
 from flightstack.logs.log import Log
 from flightstack.logs.table import Table
 
-CHUNK = 8_000  # frames whose lines are in memory at once
+CHUNK = 4_000  # frames whose lines are made at once: their text fits the caches
 Text = fast_text.Bytes | list[bytes]  # the lines of one type: as a matrix, or each by itself
 HUNDREDTHS = fast_text.from_texts([f"{number:02d}" for number in range(100)])
 
@@ -34,25 +34,41 @@ class LineOptions:
     csv_columns: tuple[str, ...] = ()  # MESSAGE.field; what CSV lines hold
 
 
+def _second(seconds: int) -> str:
+    return time.strftime("%Y-%m-%d %H:%M:%S.", time.localtime(seconds))
+
+
 def _stamps(table: Table) -> fast_text.Bytes:
     """Return local times to the hundredth, as mavlogdump writes them."""
     seconds = table.time_s
-    whole, place = np.unique(np.floor(seconds).astype(np.int64), return_inverse=True)
+    whole = np.floor(seconds).astype(np.int64)
+    changes = np.flatnonzero(np.diff(whole)) + 1
+    first = np.concatenate((np.zeros(min(1, len(whole)), dtype=np.int64), changes))
+    names = fast_text.from_texts([_second(each) for each in whole[first].tolist()])
+    repeats = np.diff(np.append(first, len(whole)))
     hundredths = (seconds * 100.0).astype(np.int64) % 100
-    names = [time.strftime("%Y-%m-%d %H:%M:%S.", time.localtime(s)) for s in whole.tolist()]
-    return np.hstack((fast_text.from_texts(names)[place], HUNDREDTHS[hundredths]))
+    return np.hstack((np.repeat(names, repeats, axis=0), HUNDREDTHS[hundredths]))
+
+
+def _fields(table: Table) -> Iterator[fast_text.Part]:
+    """Yield the parts that write all fields, name : value, ..."""
+    for index, field in enumerate(table.fields):
+        column = table[field.name]
+        yield f"{', ' if index else ''}{field.name} : "
+        if field.is_text:
+            yield fast_text.from_texts(column.tolist())
+        elif field.length:
+            yield from fast_text.as_list(column)
+        else:
+            yield column
 
 
 def _standard(table: Table, options: LineOptions) -> Text:
-    parts: list[fast_text.Bytes | str] = [_stamps(table), f": {table.name} {{"]
-    for index, name in enumerate(table.names):
-        parts += [f"{', ' if index else ''}{name} : ", fast_text.from_column(table[name])]
-    parts.append("}")
+    parts = [_stamps(table), f": {table.name} {{", *_fields(table), "}"]
     if options.show_source:
-        system, component = map(fast_text.from_numbers, (table.system, table.component))
-        parts += [" srcSystem=", system, " srcComponent=", component]
+        parts += [" srcSystem=", table.system, " srcComponent=", table.component]
     if options.show_sequence:
-        parts += [" seq=", fast_text.from_numbers(table.sequence)]
+        parts += [" seq=", table.sequence]
     return fast_text.beside([*parts, "\n"], len(table))
 
 
@@ -108,8 +124,7 @@ def _unknown_lines(log: Log, name: str) -> Text:
     """Return lines for a message that is in no definition: its bytes."""
     table = log[name]
     payloads = fast_text.from_texts([payload.hex() for payload in log.payloads(name)])
-    parts: list[fast_text.Bytes | str] = [_stamps(table), f": {name} {{payload : ", payloads, "}\n"]
-    return fast_text.beside(parts, len(table))
+    return fast_text.beside([_stamps(table), f": {name} {{payload : ", payloads, "}\n"], len(table))
 
 
 def csv_columns(log: Log, types: Sequence[str]) -> tuple[str, ...]:

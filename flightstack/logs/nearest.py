@@ -1,11 +1,12 @@
 """Name what a user may have meant."""
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 
 def did_you_mean(wrong: str, right: Iterable[str]) -> str:
     """Return "; did you mean A or B?", or "" where nothing comes near."""
+    from difflib import get_close_matches  # noqa: PLC0415  # only where somebody erred
+
     candidates = list(right)
     near = get_close_matches(wrong, candidates, n=3, cutoff=0.6)
     if not near:

@@ -28,10 +28,14 @@ def _windows_needed(
 ) -> Iterator[tuple[int, int]]:
     """Yield the windows, as (start, stop), in which at least one wanted frame starts."""
     needed = np.zeros(size // WINDOW_BYTES + 1, dtype=np.bool_)
+    lowest, highest = size, 0
     for frames, _ in wanted.values():
         needed[frames.offset // WINDOW_BYTES] = True
+        lowest = min(lowest, int(frames.offset[0]))
+        highest = max(highest, int(frames.offset[-1]))
     for number in np.flatnonzero(needed).tolist():
-        yield number * WINDOW_BYTES, (number + 1) * WINDOW_BYTES
+        start, stop = number * WINDOW_BYTES, (number + 1) * WINDOW_BYTES
+        yield max(start, lowest), min(stop, highest + 1)
 
 
 def gather(source: Source, wanted: Mapping[int, tuple[Frames, int]]) -> dict[int, Bytes]:

@@ -6,12 +6,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.frames import MAX_FRAME, TIMESTAMP, Frames, join
+from flightstack.logs.frames import MARGIN, MAX_FRAME, TIMESTAMP, Frames, join
 from flightstack.logs.framing import find_frames
 from flightstack.logs.source import WINDOW_BYTES, Source, windows
 from flightstack.logs.unknown import find_unknown
-
-MARGIN = 2 * (MAX_FRAME + TIMESTAMP)  # a frame and its right neighbour stand whole before it
 
 
 def merge(known: Frames, unknown: Frames | None) -> Frames:

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from flightstack.logs.errors import LogFileError
 
-WINDOW_BYTES = 2 << 20  # fits the caches; larger is not faster
-SMALL_BYTES = 32 << 20  # logs up to here are held in memory, larger ones read by windows
+WINDOW_BYTES = 1 << 20  # fits the caches; larger is not faster
 MISTAKEN = {  # first bytes of files that people pass by mistake
     b"ULog\x01\x12\x35": "a PX4 ULog, not a MAVLink log: use pyulog or PX4's Flight Review",
     b"\xa3\x95": "an ArduPilot .BIN log, not a MAVLink log: use mavlogdump.py or MAVExplorer",
@@ -103,6 +102,4 @@ def open_source(path: Path) -> Source:
         raise LogFileError(f"{path} is {kind}")
     if size == 0:
         raise LogFileError(f"{path} is empty: nothing was logged")
-    if size <= SMALL_BYTES:
-        return MemorySource(np.fromfile(path, dtype=np.uint8), str(path))
     return FileSource(path, size)

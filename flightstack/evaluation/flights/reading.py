@@ -15,9 +15,9 @@ from flightstack.evaluation.rows import (
     TIMEOUT,
     TrialRow,
 )
+from flightstack.logs import Log, read
 from flightstack.logs.course import find_events
 from flightstack.logs.decisions import Decisions, find_decisions
-from flightstack.logs.log import Log, read
 from flightstack.logs.texts import status_texts
 from flightstack.records import VELOCITIES
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from flightstack.logs.checks import run_checks
 from flightstack.logs.flight import Flight
-from flightstack.logs.log import read
 from flightstack.logs.parameters import read_parameters
+from flightstack.logs.reading import read
 from flightstack.logs.summary import Facts, summarise
 
 SKIPPED = ("log", "texts", "modes", "armed", "links", "damage", "checks", "failsafes", "counts")

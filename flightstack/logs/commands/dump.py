@@ -8,17 +8,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.damage import LINK_BITS
 from flightstack.logs.errors import LogFileError
-from flightstack.logs.expression import holds
-from flightstack.logs.frames import NO_TIME
+from flightstack.logs.frames import LINK_BITS, NO_TIME
 from flightstack.logs.lines import LineOptions, csv_columns, lines
-from flightstack.logs.log import Log, read
+from flightstack.logs.log import Log
+from flightstack.logs.reading import read
 
 
 def seconds_window(log: Log, arguments: Namespace) -> tuple[int | None, int | None]:
     """Return --from and --to as times since 1970, None where not given."""
-    start_us = int(log.time_us[0])
+    start_us = int(log.time_us[0]) if len(log) else 0
     bounds = (arguments.start, arguments.end)
     first, last = (None if s is None else start_us + round(s * 1e6) for s in bounds)
     return first, last
@@ -42,31 +41,34 @@ def _reduced(log: Log, rate_hz: float) -> NDArray[np.bool_]:
     return keep
 
 
-def chosen(log: Log, arguments: Namespace) -> Log:
-    """Return the part of the log that all filters let through."""
-    rows = np.arange(len(log))
-    keep = np.ones(len(log), dtype=np.bool_)
-    types, left_out = _names(arguments.types), _names(arguments.nottypes)
-    if types:
-        keep &= np.isin(log.frames.msgid, log.matching_ids(types))
-    if left_out:
-        keep &= ~np.isin(log.frames.msgid, log.matching_ids(left_out))
-    system = arguments.source_system if arguments.source_system is not None else arguments.system
-    if system is not None:
-        keep &= log.frames.system == system
-    if arguments.source_component is not None:
-        keep &= log.frames.component == arguments.source_component
-    if arguments.link is not None:
-        keep &= (log.frames.time_us & LINK_BITS) == arguments.link
+def _holds(condition: str, log: Log, part: Log) -> NDArray[np.bool_]:
+    """Return for which frames of a part of the log the condition holds."""
+    from flightstack.logs.expression import holds  # noqa: PLC0415  # it takes a while to import
+
+    return holds(condition, log, np.searchsorted(log.frames.offset, part.frames.offset))
+
+
+def chosen(arguments: Namespace) -> Log:
+    """Read the part of the log that all filters let through."""
+    types = _names(arguments.types) or None
+    looks_beyond = (arguments.condition, arguments.start, arguments.end)  # the types asked for
+    is_part = all(given is None for given in looks_beyond)
+    log = read(arguments.log, types=types if is_part else None)
     start_us, end_us = seconds_window(log, arguments)
-    if start_us is not None:
-        keep &= log.time_us >= start_us
-    if end_us is not None:
-        keep &= log.time_us < end_us
+    system = arguments.system if arguments.source_system is None else arguments.source_system
+    component = arguments.source_component
+    part = log.select(
+        types=types, system=system, component=component, start_us=start_us, end_us=end_us
+    )
+    if left_out := _names(arguments.nottypes):
+        part = part.rows(~np.isin(part.frames.msgid, part.matching_ids(left_out)))
+    if arguments.link is not None:
+        part = part.rows((part.frames.time_us & LINK_BITS) == arguments.link)
     if arguments.condition:
-        keep[keep] = holds(arguments.condition, log, rows[keep])
-    part = log.rows(keep)
-    return part.rows(_reduced(part, arguments.reduce_rate)) if arguments.reduce_rate > 0 else part
+        part = part.rows(_holds(arguments.condition, log, part))
+    if arguments.reduce_rate > 0:
+        part = part.rows(_reduced(part, arguments.reduce_rate))
+    return part
 
 
 def write_tlog(log: Log, path: Path) -> None:
@@ -83,8 +85,7 @@ def write_tlog(log: Log, path: Path) -> None:
 
 def run(arguments: Namespace) -> int:
     """Print the chosen messages, or write them to a tlog."""
-    log = read(arguments.log)
-    part = chosen(log, arguments)
+    part = chosen(arguments)
     if arguments.output is not None:
         write_tlog(part, arguments.output)
         return 0

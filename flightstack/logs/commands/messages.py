@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from flightstack.logs.dialect import message_name
-from flightstack.logs.log import Log, read
+from flightstack.logs.log import Log
+from flightstack.logs.reading import read
 from flightstack.logs.summary import Facts
 
 

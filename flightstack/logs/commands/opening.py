@@ -6,7 +6,7 @@ from pathlib import Path
 from flightstack.logs.checks import load_checks
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight import Flight
-from flightstack.logs.log import read
+from flightstack.logs.reading import read
 
 LOG_ENDINGS = (".tlog", ".mavlink", ".rlog", ".raw")
 

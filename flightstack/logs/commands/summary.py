@@ -10,7 +10,7 @@ from flightstack.logs.commands.opening import logs_in, use_checks
 from flightstack.logs.commands.summary_text import one_line, page
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight import Flight
-from flightstack.logs.log import read
+from flightstack.logs.reading import read
 from flightstack.logs.summary import Facts, summarise
 
 

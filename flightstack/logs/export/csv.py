@@ -27,29 +27,23 @@ def _quoted(text: str) -> str:
     return '"' + text.replace('"', '""') + '"'
 
 
-def _times(table: Table) -> fast_text.Bytes:
-    whole, rest = np.divmod(table.time_us, 1_000_000)
-    digits = [f"{part:06d}" for part in rest.tolist()]
-    parts: list[fast_text.Bytes | str] = [fast_text.from_numbers(whole), "."]
-    return fast_text.beside([*parts, fast_text.from_texts(digits)], len(table))
-
-
 def rows(table: Table) -> bytes:
     """Return the rows of a table as CSV."""
-    numbers = (table.system, table.component, table.sequence)
-    columns = [_times(table), *map(fast_text.from_numbers, numbers)]
+    whole, rest = np.divmod(table.time_us, 1_000_000)
+    micros = fast_text.from_texts([f"{part:06d}" for part in rest.tolist()])
+    parts: list[fast_text.Part] = [whole, ".", micros]
+    for number in (table.system, table.component, table.sequence):
+        parts += [",", number]
     for field in table.fields:
         column = table[field.name]
         if field.is_text:
-            columns.append(fast_text.from_texts([_quoted(text) for text in column.tolist()]))
+            parts += [",", fast_text.from_texts([_quoted(text) for text in column.tolist()])]
         elif field.length:
-            columns += [fast_text.from_numbers(column[:, i]) for i in range(field.length)]
+            for index in range(field.length):
+                parts += [",", column[:, index]]
         else:
-            columns.append(fast_text.from_numbers(column))
-    parts: list[fast_text.Bytes | str] = []
-    for column in columns:
-        parts += [column, ","]
-    return fast_text.text_of(fast_text.beside([*parts[:-1], "\n"], len(table)))
+            parts += [",", column]
+    return fast_text.text_of(fast_text.beside([*parts, "\n"], len(table)))
 
 
 def write_csv(log: Log, folder: Path) -> list[Path]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flightstack.logs import Log, read, read_bytes
 from flightstack.logs.frames import join
-from flightstack.logs.log import from_frames
+from flightstack.logs.reading import from_frames
 from flightstack.logs.scanner import scan
 from flightstack.logs.source import MemorySource
 from tests.unit.flightstack.logs.made_logs import (

@@ -1,0 +1,141 @@
+"""What pymavlink's dialect says of every message, in plain values.
+
+The dialect is pymavlink's "all": what PX4, ArduPilot and the ground stations send. Importing it
+takes longer than reading a log of ten minutes, so what is needed of it is kept in the user's cache
+folder ($XDG_CACHE_HOME, else ~/.cache), for as long as the dialect's file has the same size and
+time. Without a folder that can be written to, the dialect is imported each time.
+"""
+
+import importlib
+import json
+import os
+from dataclasses import astuple, dataclass
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+NUMPY_FORMATS = {
+    "b": "i1",
+    "B": "u1",
+    "h": "<i2",
+    "H": "<u2",
+    "i": "<i4",
+    "I": "<u4",
+    "q": "<i8",
+    "Q": "<u8",
+    "f": "<f4",
+    "d": "<f8",
+}
+FORMAT = 1  # of the cache's file; raise it when Definition changes
+DIALECT = "dialects/v20/all.py"
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """One message; made of what JSON can hold."""
+
+    name: str
+    crc_extra: int
+    size: int  # bytes of an untrimmed payload, extensions included
+    wire: list[list[Any]]  # in wire order: name, numpy format, number of elements
+    fields: list[list[Any]]  # in the order of the definition: the values of dialect.Field
+
+
+def mavlink() -> Any:
+    """Return pymavlink's dialect, imported when it is first asked for."""
+    return importlib.import_module("pymavlink.dialects.v20.all")
+
+
+def _wire(definition: Any) -> list[list[Any]]:
+    codes = definition.native_format.decode().lstrip("<")
+    wire = []
+    fields = zip(definition.ordered_fieldnames, codes, definition.array_lengths, strict=True)
+    for name, code, length in fields:
+        is_text = code == "c"
+        numpy_format = f"S{max(length, 1)}" if is_text else NUMPY_FORMATS[code]
+        wire.append([name, numpy_format, 1 if is_text else max(length, 1)])
+    return wire
+
+
+def _fields(definition: Any) -> list[list[Any]]:
+    lengths = dict(zip(definition.ordered_fieldnames, definition.array_lengths, strict=True))
+    return [
+        [
+            name,
+            definition.fieldunits_by_name.get(name, ""),
+            definition.fieldenums_by_name.get(name, ""),
+            definition.fielddisplays_by_name.get(name) == "bitmask",
+            kind == "char",
+            0 if kind == "char" or lengths[name] == 1 else lengths[name],
+        ]
+        for name, kind in zip(definition.fieldnames, definition.fieldtypes, strict=True)
+    ]
+
+
+def from_pymavlink() -> dict[int, Definition]:
+    """Return the definitions as the dialect has them, by id."""
+    return {
+        msgid: Definition(
+            name=definition.msgname,
+            crc_extra=definition.crc_extra,
+            size=definition.unpacker.size,
+            wire=_wire(definition),
+            fields=_fields(definition),
+        )
+        for msgid, definition in mavlink().mavlink_map.items()
+    }
+
+
+def _dialect_stamp() -> list[Any]:
+    """Return what changes when the dialect's file does."""
+    spec = find_spec("pymavlink")
+    folders = [] if spec is None else spec.submodule_search_locations or []
+    path = os.path.join(next(iter(folders), ""), DIALECT)  # noqa: PTH118  # a Path takes longer
+    status = os.stat(path)  # noqa: PTH116
+    return [FORMAT, path, status.st_size, status.st_mtime_ns]
+
+
+def cache_file() -> Path:
+    """Return where the definitions are kept; RuntimeError where the user has no home."""
+    folder = os.environ.get("XDG_CACHE_HOME")
+    return (Path(folder) if folder else Path.home() / ".cache") / "flightstack/definitions.json"
+
+
+def _kept(stamp: list[Any]) -> dict[int, Definition] | None:
+    """Return the definitions in the cache, None where there are none of this dialect."""
+    try:
+        kept = json.loads(cache_file().read_bytes())
+        if kept["stamp"] != stamp:
+            return None
+        return {int(msgid): Definition(*values) for msgid, values in kept["messages"].items()}
+    except (OSError, RuntimeError, ValueError, KeyError, TypeError, AttributeError):
+        return None  # none yet, or not what was written: they are made anew
+
+
+def _keep(definitions: dict[int, Definition], stamp: list[Any]) -> None:
+    """Write the cache as a whole, so that another process never reads half of it."""
+    messages = {msgid: astuple(definition) for msgid, definition in definitions.items()}
+    text = json.dumps({"stamp": stamp, "messages": messages}, separators=(",", ":"))
+    try:
+        path = cache_file()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part = path.with_suffix(f".{os.getpid()}")
+        part.write_text(text)
+        part.replace(path)
+    except (OSError, RuntimeError):
+        return  # it is only slower without
+
+
+@cache
+def definitions() -> dict[int, Definition]:
+    """Return the definition of every message of the dialect, by id."""
+    try:
+        stamp = _dialect_stamp()
+    except OSError:
+        return from_pymavlink()
+    kept = _kept(stamp)
+    if kept is None:
+        kept = from_pymavlink()
+        _keep(kept, stamp)
+    return kept
