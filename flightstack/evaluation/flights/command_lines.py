@@ -6,7 +6,7 @@ from flightstack.evaluation.experiment import Trial
 from flightstack.evaluation.flights.ports import Ports
 
 LAP_LIMIT_S = 90.0  # vehicle time
-GATE_LIMIT_S = 30.0  # vehicle time: gates are 6.1 m apart
+GATE_LIMIT_S = 20.0  # vehicle time: gates are 6.1 m apart, 3 to 4 s at the usual speed
 LOG = "companion.tlog"
 
 

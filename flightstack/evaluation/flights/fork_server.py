@@ -70,11 +70,12 @@ def _fly(order: dict[str, Any], orders: IO[str]) -> dict[str, Any]:
         for pidfd in pidfds.values():
             stack.callback(os.close, pidfd)
         ready, _, _ = select.select([*pidfds.values(), orders.fileno()], [], [], order["limit_s"])
-        if orders.fileno() in ready:  # it has ended: nobody else will tidy up
-            shutil.rmtree(folder, ignore_errors=True)
-            raise SystemExit(0)
         ended = {name: pidfd in ready for name, pidfd in pidfds.items()}
-    return {name: _status(pid, ended=ended[name]) for name, pid in children.items()}
+    codes = {name: _status(pid, ended=ended[name]) for name, pid in children.items()}
+    if orders.fileno() in ready:  # nobody will order any more, nor tidy up
+        shutil.rmtree(folder, ignore_errors=True)
+        raise SystemExit(0)
+    return codes
 
 
 def _kill(children: dict[str, int]) -> None:
