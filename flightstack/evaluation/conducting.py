@@ -42,6 +42,8 @@ def _rows(experiment: Experiment, options: argparse.Namespace) -> list[TrialRow]
         rows = read_rows(options.out / ROWS)
         if not rows:
             raise UsageError(f"{options.out / ROWS} holds no trial yet")
+        if rows[0].experiment != experiment.name:
+            raise UsageError(f"{options.out / ROWS} is of a {rows[0].experiment}")
         return rows
     jobs = jobs_of(options)
     folder = Folder(options.out, experiment, weights_of(experiment))

@@ -6,6 +6,7 @@ References:
 
 from flightstack.errors import UsageError
 from flightstack.evaluation.experiment import Condition, Row
+from sitl.world.track import MAX_HEIGHT_NOISE_M, MAX_RADIUS_NOISE_M
 
 GATES = 32  # 4 laps
 LEVELS = {"level1": (1.0, 2.0), "level2": (1.5, 3.0)}  # m, of the gates' radius and height
@@ -38,7 +39,7 @@ def level(text: str) -> Condition:
         radius_m, height_m = map(float, text.split(","))
     except ValueError:
         radius_m = height_m = -1.0
-    if not (0.0 <= radius_m < 8.0 and 0.0 <= height_m < 20.0):
+    if not (0.0 <= radius_m <= MAX_RADIUS_NOISE_M and 0.0 <= height_m <= MAX_HEIGHT_NOISE_M):
         raise UsageError(f"level {text!r}: expected 1, 2, or noise in m such as 2.0,4.0")
     known = {noise_m: name for name, noise_m in LEVELS.items()}
     name = known.get((radius_m, height_m), f"noise-{radius_m:g}-{height_m:g}")
