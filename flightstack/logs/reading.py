@@ -17,7 +17,7 @@ from flightstack.logs.errors import LogFileError
 from flightstack.logs.frames import IS_UNKNOWN, NO_TIME, Frames, join
 from flightstack.logs.log import Log
 from flightstack.logs.scanner import scan
-from flightstack.logs.source import WINDOW_BYTES, MemorySource, Source, open_source
+from flightstack.logs.source import WINDOW_BYTES, MemorySource, Source, held, open_source
 from flightstack.logs.unknown import doubtful
 
 
@@ -45,6 +45,7 @@ def _known_ids(patterns: Iterable[str]) -> list[int] | None:
 
 def _read_whole(source: Source, window_bytes: int = WINDOW_BYTES) -> Log:
     """Return the log with all of its frames; LogFileError where there are none."""
+    source = held(source)
     log = from_frames(source, join(list(scan(source, window_bytes))))
     if not len(log):
         raise LogFileError(

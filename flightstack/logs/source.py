@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from flightstack.logs.errors import LogFileError
 
 WINDOW_BYTES = 1 << 20  # fits the caches; larger is not faster
+SMALL_BYTES = 32 << 20  # logs up to here are held in memory, larger ones read by windows
 MISTAKEN = {  # first bytes of files that people pass by mistake
     b"ULog\x01\x12\x35": "a PX4 ULog, not a MAVLink log: use pyulog or PX4's Flight Review",
     b"\xa3\x95": "an ArduPilot .BIN log, not a MAVLink log: use mavlogdump.py or MAVExplorer",
@@ -72,6 +73,13 @@ class MemorySource:
     def read(self, start: int, stop: int) -> NDArray[np.uint8]:
         """Return the bytes from start to stop, fewer where the log ends."""
         return self.data[start:stop]
+
+
+def held(source: Source) -> Source:
+    """Return a small log in memory, to decode many types from it; a large one as it is."""
+    if source.size > SMALL_BYTES:
+        return source
+    return MemorySource(source.read(0, source.size), source.name)
 
 
 def windows(source: Source, window_bytes: int = WINDOW_BYTES) -> Iterator[NDArray[np.uint8]]:

@@ -102,7 +102,8 @@ def _correlations(a: Floats, b: Floats, most: int) -> Floats:
         left, right = a[: len(a) - shift], b[shift:]
         left, right = left - left.mean(), right - right.mean()
         norm = float(np.sqrt(np.square(left).sum() * np.square(right).sum()))
-        found[shift] = float(left @ right) / norm if norm > 1e-9 else 0.0
+        shared = float((left * right).sum())  # not @, which wakes threads for less than they cost
+        found[shift] = shared / norm if norm > 1e-9 else 0.0
     return found
 
 

@@ -2,11 +2,12 @@
 """Measure the log reader beside pymavlink, in one run: python scripts/bench/logs.py [LOG].
 
 Without a log, one is made of the messages and rates of a flight. Every figure is the best of some
-rounds of CPU time, taken in turns, so that a busy machine slows both alike. `--fuzz N` reads N
-damaged inputs instead.
+rounds, of CPU time unless it says wall, taken in turns, so that a busy machine slows both alike.
+`--fuzz N` reads N damaged inputs instead.
 """
 
 import argparse
+import os
 import resource
 import struct
 import subprocess
@@ -93,13 +94,23 @@ def cpu_s(work: Callable[[], object]) -> float:
     return time.process_time() - started
 
 
-def child_cpu_s(command: list[str], output: Path) -> float:
-    """Return the CPU time of a command from its start to its end."""
+def child_s(command: list[str], output: Path, bytecode: Path) -> tuple[float, float]:
+    """Return the CPU and the wall time of a command from its start to its end.
+
+    Both sides find their modules compiled, as they are after pip has installed them.
+    """
+    environment = {
+        **os.environ,
+        "PYTHONPYCACHEPREFIX": str(bytecode),
+        "PYTHONDONTWRITEBYTECODE": "",
+    }
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    started = time.perf_counter()
     with output.open("wb") as file:
-        subprocess.run(command, stdout=file, check=True)
+        subprocess.run(command, stdout=file, check=True, env=environment)
+    wall = time.perf_counter() - started
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, wall
 
 
 def recv_match(path: Path, opener: Callable[[str], object]) -> int:
@@ -124,6 +135,11 @@ def side_by_side(
     """Print the best CPU times of both, taken in turns, and their ratio."""
     pairs = [(cpu_s(theirs), cpu_s(ours)) for _ in range(rounds)]
     slow, fast = (min(column) for column in zip(*pairs, strict=True))
+    print_pair(name, slow, fast)
+
+
+def print_pair(name: str, slow: float, fast: float) -> None:
+    """Print two times and their ratio."""
     print(f"{name:58} {slow:7.3f} s  {fast:7.3f} s  {slow / fast:5.1f}x")
 
 
@@ -155,21 +171,21 @@ def measure_dump(path: Path, folder: Path, rounds: int) -> None:
         "ours": [PYTHON, "-m", "flightstack.logs", "dump", "--types", "ATTITUDE"],
     }
     outputs = {"theirs": theirs_out, "ours": ours_out}
-    best: dict[tuple[str, str], float] = {}
+    taken: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for _ in range(rounds):
         for what, log in (("whole", path), ("start", empty)):
             for who, command in commands.items():
                 output = outputs[who] if what == "whole" else folder / "nothing.txt"
-                taken = child_cpu_s([*command, str(log)], output)
-                best[who, what] = min(taken, best.get((who, what), taken))
+                times = child_s([*command, str(log)], output, folder / "bytecode")
+                taken.setdefault((who, what), []).append(times)
+    for column, clock in enumerate(("CPU", "wall")):
+        best = {key: min(each[column] for each in times) for key, times in taken.items()}
+        slow, fast = best["theirs", "whole"], best["ours", "whole"]
+        print_pair(f"dump --types ATTITUDE, {clock}: from start to end", slow, fast)
+        slow, fast = slow - best["theirs", "start"], fast - best["ours", "start"]
+        print_pair(f"dump --types ATTITUDE, {clock}: without its start-up", slow, fast)
     same = theirs_out.read_bytes() == ours_out.read_bytes()
     rows = ours_out.read_bytes().count(b"\n")
-    slow, fast = best["theirs", "whole"], best["ours", "whole"]
-    name = "dump --types ATTITUDE: the command from start to end"
-    print(f"{name:58} {slow:7.3f} s  {fast:7.3f} s  {slow / fast:5.1f}x")
-    slow, fast = slow - best["theirs", "start"], fast - best["ours", "start"]
-    name = "dump --types ATTITUDE: without its start-up"
-    print(f"{name:58} {slow:7.3f} s  {fast:7.3f} s  {slow / fast:5.1f}x")
     print(f"  {rows} rows, {'the same' if same else 'NOT THE SAME'} from both")
 
 
