@@ -3,7 +3,7 @@ from dataclasses import replace
 import pytest
 
 from flightstack.evaluation.ablation.answer import answer
-from flightstack.evaluation.ablation.design import FACTORS, PAPERS, VX, cube
+from flightstack.evaluation.ablation.design import FACTORS, PAPERS, VX, cube, factorial
 from flightstack.evaluation.ablation.pace import Control
 from flightstack.evaluation.ablation.report import ablation_sections
 from flightstack.evaluation.summary import summarise
@@ -62,3 +62,23 @@ def test_the_report_answers_in_one_table(rows, controls):
     assert "| of that: member choice | +0.00" in text
     assert "| mi-mode - that | +0.00" in text
     assert "| mi-mode | 1.500 | 0.90 |" in text
+
+
+def test_all_combinations_tell_each_levels_effect_too():
+    points = factorial(with_best=False)
+    control = Control(strategy="", pace_m_s=1.5, factor=1.0)
+    controls = {p.strategy: replace(control, strategy=p.strategy) for p in points}
+    rows = [
+        replace(
+            made_row(20 + 3 * (p.vx != "same"), row=p.strategy.replace("/", "."), track=track),
+            strategy=p.strategy,
+        )
+        for p in points
+        for track in TRACKS[:3]
+    ]
+    found = answer(rows, points, controls)
+    main = found.answers[0].main["gates_passed"]
+    assert main["slow-down: lowest-mode"].mean == pytest.approx(3.0)
+    assert main["member choice: random"].mean == pytest.approx(0.0)
+    text = "\n".join(ablation_sections(summarise(rows, []), found, "strong/m0"))
+    assert "| level1 | slow-down: lowest | +3.00" in text
