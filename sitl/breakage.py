@@ -4,8 +4,11 @@ import numpy as np
 
 from sitl.failures import SLOWER, Failure, FailureType, FailureUnit, is_gone
 from sitl.records import Frame, MotorThrusts
+from sitl.sensors.fault import Fault
+from sitl.sensors.noise import normals
 
 ALL_MOTORS = range(4)
+GARBAGE_THRUST = 0.5  # the size of what a motor does by chance, or wrongly
 
 
 class Breakage:
@@ -13,7 +16,8 @@ class Breakage:
 
     def __init__(self, rng: np.random.Generator) -> None:
         self._rng = rng
-        self._motors: dict[int, float] = {}  # the thrust at which each broken one stays
+        self._noise = normals(rng)
+        self._motors: dict[int, Fault] = {}
         self._last: MotorThrusts = (0.0, 0.0, 0.0, 0.0)
         self._signal: tuple[FailureType, int] | None = None  # and the time since when
         self._camera: tuple[FailureType, int] | None = None
@@ -32,23 +36,34 @@ class Breakage:
             for motor in which:
                 self._motors.pop(motor, None)
                 if kind is not None:
-                    is_off = failure.type is FailureType.OFF
-                    self._motors[motor] = 0.0 if is_off else self._last[motor]
+                    self._motors[motor] = Fault(
+                        failure.type, size=GARBAGE_THRUST, noise=self._noise, time_us=time_us
+                    )
 
-    def drive(self, motors: MotorThrusts) -> MotorThrusts:
+    def drive(self, motors: MotorThrusts, time_us: int) -> MotorThrusts:
         """Give the thrusts that the motors follow."""
         if self._motors:
-            a, b, c, d = (self._motors.get(n, thrust) for n, thrust in enumerate(motors))
+            thrusts = list(motors)
+            for motor, fault in self._motors.items():
+                thrusts[motor] = fault.share(thrusts[motor], self._last[motor], time_us)
+            a, b, c, d = thrusts
             motors = (a, b, c, d)
         self._last = motors
         return motors
+
+    @property
+    def signal_fault(self) -> FailureType:
+        """What is wrong with the radio."""
+        return FailureType.OK if self._signal is None else self._signal[0]
 
     def is_silent(self, time_us: int) -> bool:
         """Whether the radio carries nothing, either way."""
         if self._signal is None:
             return False
         kind, since_us = self._signal
-        return kind is FailureType.OFF or is_gone(since_us, time_us)
+        if kind is FailureType.INTERMITTENT:
+            return is_gone(since_us, time_us)
+        return kind is FailureType.OFF
 
     def takes_image(self, time_us: int) -> bool:
         """Whether the camera gives the image that is due."""

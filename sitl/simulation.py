@@ -39,6 +39,7 @@ from sitl.world.wind import blow
 from sitl.world.world import World
 
 CAMERA_RATE_HZ = 20
+LATE_S = 0.5  # by how much a camera is late that an injected failure delays
 HOME = (47.397742, 8.545594, 489.4)  # deg, deg, m AMSL; PX4's default
 # These separate the uses of the vehicle's seed from each other.
 LOOK_STREAM, SENSOR_STREAM, ESTIMATE_STREAM, BREAKAGE_STREAM = 0x100C, 0x5E45, 0xE571, 0xB4EA
@@ -93,6 +94,8 @@ class Simulation:
         self._estimator = self._make_estimator()
         self._breakage = Breakage(np.random.default_rng([config.seed, BREAKAGE_STREAM]))
         self._camera = Camera(standing, _draw_look(config))
+        self._delay: Delay | None = None
+        self._latency_s = 0.0
         self._take_conditions()
         self._frames = Schedule(CAMERA_RATE_HZ)
         self._sequence = 0
@@ -111,7 +114,7 @@ class Simulation:
 
     def step(self) -> None:
         """Advance by one tick."""
-        motors = self._breakage.drive(self.autopilot.step(self.estimate))
+        motors = self._breakage.drive(self.autopilot.step(self.estimate), self.time_us)
         for failure in self.autopilot.drain_failures():
             self._fail(failure)
         if self._wind is not None:
@@ -148,6 +151,11 @@ class Simulation:
         """Whether a failure keeps the vehicle from sending and hearing anything."""
         return self._breakage.is_silent(self.time_us)
 
+    @property
+    def signal_fault(self) -> FailureType:
+        """What a failure does to the signal."""
+        return self._breakage.signal_fault
+
     def render(self) -> Frame:
         """Give the image out that is due: one of this moment, unless the camera is late."""
         return self._take_image() if self._delay is None else self._delay.take()
@@ -175,12 +183,20 @@ class Simulation:
         self.autopilot.start_airborne()
 
     def _fail(self, failure: Failure) -> None:
-        if failure.unit in SENSORS:
+        if failure.unit in SENSORS or failure.unit is FailureUnit.BATTERY:
             self._sensors.fail(failure.unit, failure.type, self.time_us)
-        elif failure.unit is FailureUnit.BATTERY:
-            self._sensors.battery.is_dead = failure.type is not FailureType.OK
         else:
             self._breakage.fail(failure, self.time_us)
+        if failure.unit is FailureUnit.CAMERA:
+            self._delay = self._make_delay(is_late=failure.type is FailureType.DELAYED)
+
+    def _make_delay(self, *, is_late: bool) -> Delay | None:
+        """Give what delays the camera's images; what is under way stays so."""
+        latency_s = self.config.conditions.camera.latency_s + (LATE_S if is_late else 0.0)
+        if latency_s == self._latency_s:
+            return self._delay
+        self._latency_s = latency_s
+        return Delay(latency_s) if latency_s > 0.0 else None
 
     def _sense(self) -> None:
         if self.parameters.version != self._parameters_version:
@@ -204,15 +220,14 @@ class Simulation:
     def _take_conditions(self) -> None:
         """Set up wind and camera faults; None where the conditions ask for nothing."""
         conditions, seed = self.config.conditions, self.config.seed
-        self._wind = self._spoiler = self._delay = None
+        self._wind = self._spoiler = None
         if conditions.wind != CLEAR_DAY.wind:
             noise = normals(np.random.default_rng([seed, WIND_STREAM]))
             self._wind = blow(conditions.wind, noise, TICK_US / 1e6)
         if conditions.camera != CLEAR_DAY.camera:
             rng = np.random.default_rng([seed, SPOILER_STREAM])
             self._spoiler = Spoiler(conditions.camera, rng)
-        if conditions.camera.latency_s > 0.0:
-            self._delay = Delay(conditions.camera.latency_s)
+        self._delay = self._make_delay(is_late=False)
 
     def _make_estimator(self) -> Estimator | PerfectEstimator:
         if self.config.perfect_estimate:

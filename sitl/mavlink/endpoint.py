@@ -13,6 +13,7 @@ from sitl.mavlink.dialect import AUTOPILOT, CAMERA, REFEREE
 from sitl.mavlink.dispatch import Dispatcher, Servers
 from sitl.mavlink.file_server import FileServer
 from sitl.mavlink.forwarding import Forwarder
+from sitl.mavlink.framing import Received
 from sitl.mavlink.ground_station import GroundStationWatch
 from sitl.mavlink.health import heartbeat_now
 from sitl.mavlink.link import Guard, Link
@@ -20,6 +21,7 @@ from sitl.mavlink.log_server import LogServer
 from sitl.mavlink.mission_server import MissionServer
 from sitl.mavlink.outgoing import Outgoing, Port
 from sitl.mavlink.parameter_server import ParameterServer
+from sitl.mavlink.radio import BadRadio
 from sitl.mavlink.referee_component import RefereeComponent
 from sitl.mavlink.setpoint_server import SetpointServer
 from sitl.mavlink.signing_server import SigningServer
@@ -54,6 +56,7 @@ class Endpoint:
         self._vehicle = vehicle
         self._unix_epoch_us = unix_epoch_us
         self._outgoing = Outgoing(links)
+        self._radio = BadRadio(links)
         self._forwarder = Forwarder(links, system)
         self._once_a_second = Schedule(1)
         self._log_looks = Schedule(LOG_LOOK_HZ)
@@ -83,6 +86,10 @@ class Endpoint:
         time_us = self._vehicle.time_us
         if self._log_looks.due(time_us):
             self._storage.logs.follow(armed=self._vehicle.autopilot.status.armed)
+        fault = self._vehicle.signal_fault
+        if fault is not self._radio.kind or not self._radio.is_idle:
+            for link, received in self._radio.advance(fault, time_us):
+                self._take(received, link)
         if self._vehicle.is_silent:
             return
         self._outgoing.send_streams(time_us, self._view)
@@ -121,12 +128,17 @@ class Endpoint:
             return False
         if self._vehicle.is_silent:
             return True
+        if not self._radio.is_idle:
+            messages = self._radio.hear(link, messages)
         for received in messages:
-            self._forwarder.forward(received, link)
-            self._dispatcher.handle(received, link)
+            self._take(received, link)
         if messages:
             self._send_texts()
         return True
+
+    def _take(self, received: Received, link: Link) -> None:
+        self._forwarder.forward(received, link)
+        self._dispatcher.handle(received, link)
 
     def _make_servers(self, system: int, camera: CameraFacts, guard: Guard) -> Servers:
         vehicle, storage, refusals = self._vehicle, self._storage, guard.refusals

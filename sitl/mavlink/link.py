@@ -4,7 +4,7 @@ What carries the bytes are its subclasses, `UdpLink` and `TcpLink`.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -22,6 +22,13 @@ class Tap(Protocol):
 
     def record(self, raw: bytes, *, link: int) -> None:
         """Take one frame of link number `link`."""
+
+
+class Radio(Protocol):
+    """Whatever the bytes go through on their way out."""
+
+    def carry(self, data: bytes, transmit: Callable[[bytes], None]) -> None:
+        """Send the bytes, or what becomes of them, now or later or never."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,6 +50,7 @@ class Link(ABC):
         self._taps: tuple[Tap, ...] = ()
         self._system = system
         self._guard = guard or Guard()
+        self.radio: Radio | None = None  # what spoils the bytes on their way, if anything does
         self._sequences: dict[int, int] = {}
         self._texts = 0
 
@@ -98,17 +106,23 @@ class Link(ABC):
             for tap in self._taps:
                 tap.record(raw, link=self.index)
             if len(datagram) + len(raw) > MAX_DATAGRAM_BYTES:
-                self._transmit(datagram)
+                self._emit(datagram)
                 datagram = b""
             datagram += raw
         if datagram:
-            self._transmit(datagram)
+            self._emit(datagram)
 
     def send_raw(self, raw: bytes) -> None:
         """Send a whole frame as it is."""
         for tap in self._taps:
             tap.record(raw, link=self.index)
-        self._transmit(raw)
+        self._emit(raw)
+
+    def _emit(self, data: bytes) -> None:
+        if self.radio is None:
+            self._transmit(data)
+        else:
+            self.radio.carry(data, self._transmit)
 
     def next_text_id(self) -> int:
         """Give the number of this link's next text; PX4 counts them from 0."""

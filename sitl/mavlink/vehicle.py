@@ -2,6 +2,7 @@
 
 from typing import Protocol
 
+from sitl.failures import FailureType
 from sitl.mission_records import MissionItem, MissionProgress, MissionResult, Plan, PlanKind
 from sitl.records import (
     CourseEvent,
@@ -127,6 +128,10 @@ class Vehicle(Protocol):
     @property
     def readings(self) -> Readings:
         """What the sensors read."""
+
+    @property
+    def signal_fault(self) -> FailureType:
+        """What a failure does to all that it sends and hears."""
 
     @property
     def is_silent(self) -> bool:

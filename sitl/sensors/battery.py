@@ -17,22 +17,19 @@ class Pack(NamedTuple):
     drain_s: float  # SIM_BAT_DRAIN, full to empty
     least: float  # SIM_BAT_MIN_PCT, 0..1
 
+    def voltage_v(self, charge: float) -> float:
+        """Give the voltage of the whole pack at a charge."""
+        return self.cells * (self.empty_v + charge * (self.full_v - self.empty_v))
+
 
 class Battery:
     """Keeps the charge that is left."""
 
     def __init__(self) -> None:
         self.remaining = 1.0
-        self.is_dead = False  # a failure: it counts as empty
 
     def advance(self, elapsed_us: int, pack: Pack, *, armed: bool) -> None:
         """Discharge for a while."""
-        if self.is_dead:
-            self.remaining = 0.0
-        elif armed and self.remaining > pack.least:
+        if armed and self.remaining > pack.least:
             spent = elapsed_us / SECOND_US / pack.drain_s
             self.remaining = max(pack.least, self.remaining - spent)
-
-    def voltage_v(self, pack: Pack) -> float:
-        """Give the voltage of the whole pack."""
-        return pack.cells * (pack.empty_v + self.remaining * (pack.full_v - pack.empty_v))

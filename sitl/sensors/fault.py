@@ -47,10 +47,21 @@ class Fault:
             given = sample
         return given
 
-    def is_seen(self, time_us: int) -> bool:
-        """Whether the estimator does without this sensor now."""
+    def is_missing(self, time_us: int) -> bool:
+        """Whether there is nothing at all now, rather than something old."""
         if self._kind is FailureType.INTERMITTENT:
             return is_gone(self._since_us, time_us)
+        return self._kind is FailureType.OFF
+
+    def share(self, value: float, last: float, time_us: int) -> float:
+        """Give what becomes of a share, 0..1: 0 where it is missing, else the last that came."""
+        given = self.pass_on((value,), time_us)
+        if given is None:
+            return 0.0 if self.is_missing(time_us) else last
+        return min(abs(given[0]), 1.0)
+
+    def is_seen(self, time_us: int) -> bool:
+        """Whether the estimator does without this sensor now."""
         if self._kind in SENSELESS:
             return time_us - self._since_us >= DETECTION_US
-        return self._kind is FailureType.OFF
+        return self.is_missing(time_us)

@@ -27,6 +27,7 @@ FAULT_SIZES = {  # how large garbage and a wrong offset are: plainly more than n
     FailureUnit.MAGNETOMETER: 0.3,  # gauss
     FailureUnit.BAROMETER: 5.0,  # hPa: 40 m
     FailureUnit.GPS: 30.0,  # m, m/s
+    FailureUnit.BATTERY: 0.3,  # of the charge
 }
 
 
@@ -48,6 +49,7 @@ class Sensors:
         self._magnetometer_schedule = Schedule(magnetometer.RATE_HZ)
         self._faults: dict[FailureUnit, Fault] = {}
         self._health = HEALTHY
+        self._charge = 1.0
         self._rates: Vector3 = (0.0, 0.0, 0.0)
         self._force: Vector3 = (0.0, 0.0, 0.0)
         self._field: Vector3 = magnetometer.FIELD_NED
@@ -79,7 +81,7 @@ class Sensors:
             if self._faults:
                 field = self._vector(FailureUnit.MAGNETOMETER, field, self._field, time_us)
             self._field = field
-        battery = self.battery
+        charge = self._charge = self._read_charge(time_us)
         return Readings(
             rates,
             force,
@@ -87,9 +89,14 @@ class Sensors:
             *self._air,
             self._fix,
             self._health,
-            battery.remaining,
-            battery.voltage_v(pack),
+            charge,
+            pack.voltage_v(charge),
         )
+
+    def _read_charge(self, time_us: int) -> float:
+        """Read the battery; a missing one counts as empty, as in PX4's simulator."""
+        charge, fault = self.battery.remaining, self._faults.get(FailureUnit.BATTERY)
+        return charge if fault is None else fault.share(charge, self._charge, time_us)
 
     def _sample_gps(self, state: VehicleState) -> GpsReading:
         fix = self._gps.read(state)

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from sitl.failures import SUPPORTED, FailureType, FailureUnit
+from sitl.breakage import Breakage
+from sitl.failures import SUPPORTED, Failure, FailureType, FailureUnit
 from sitl.modes import Mode
 from sitl.simulation import Simulation, SimulationConfig
 from sitl.vehicle_records import Command, OffboardSetpoint
@@ -64,10 +65,10 @@ def test_refused_unless_enabled(vehicle):
     [
         *[(5, 1, 0), (99, 1, 0), (4, 8, 0), (4, -1, 0), (NAN, 1, 0), (4, NAN, 0), (4.5, 1, 0)],
         *[
-            (101, 3, 0),
+            (105, 2, 0),
+            (105, 4, 0),
             (101, 1, 5),
             (101, 1, -1),
-            (100, 2, 0),
             (6, 4, 0),
             (4, 1, 1e30),
             (4, 1, -1e30),
@@ -133,6 +134,68 @@ def test_a_dead_motor_brings_the_vehicle_down(vehicle):
     assert vehicle.state.position_ned[2] > -1.0
 
 
+@pytest.mark.parametrize(
+    ("kind", "after_s", "least", "most"),
+    [
+        (FailureType.OFF, 0.1, 0.0, 0.0),
+        (FailureType.STUCK, 3.0, 0.8, 0.8),
+        (FailureType.WRONG, 0.1, 1.0, 1.0),  # 0.3 more than there is
+        (FailureType.SLOW, 0.1, 0.7, 0.8),
+        (FailureType.DELAYED, 0.1, 0.8, 0.8),
+        (FailureType.INTERMITTENT, 0.5, 0.0, 0.0),
+        (FailureType.INTERMITTENT, 1.5, 0.7, 0.8),
+    ],
+)
+def test_a_battery_that_is_not_read_well(vehicle, kind, after_s, least, most):
+    vehicle.parameters.set("SIM_BAT_MIN_PCT", 0.0)
+    vehicle.parameters.set("SIM_BAT_DRAIN", 20.0)
+    while vehicle.readings.battery > 0.8:
+        vehicle.step()
+    vehicle.inject(FailureUnit.BATTERY, kind)
+    vehicle.run(after_s)
+    slack = 0.001
+    assert least - slack <= vehicle.readings.battery <= most + slack
+    vehicle.inject(FailureUnit.BATTERY, FailureType.OK)
+    vehicle.run(0.02)
+    assert 0.5 < vehicle.readings.battery < 0.8
+
+
+def test_a_battery_that_reads_chance(vehicle):
+    vehicle.inject(FailureUnit.BATTERY, FailureType.GARBAGE)
+    charges = []
+    for _ in range(100):
+        vehicle.step()
+        charges.append(vehicle.readings.battery)
+    assert len(set(charges[1:])) > 50
+    assert all(0.0 <= charge <= 1.0 for charge in charges)
+
+
+def driven(kind: FailureType, thrusts: list[float]) -> list[float]:
+    """What a failing second motor does, a command a tick."""
+    broken = Breakage(np.random.default_rng(1))
+    broken.drive((0.6,) * 4, 0)
+    broken.fail(Failure(FailureUnit.MOTOR, kind, 2), 0)
+    given = [broken.drive((thrust,) * 4, 4000 * n) for n, thrust in enumerate(thrusts)]
+    assert [(a, c, d) for a, _, c, d in given] == [(thrust,) * 3 for thrust in thrusts]
+    return [b for _, b, _, _ in given]
+
+
+def test_motors_fail_in_every_way():
+    rising = [0.2 + 0.001 * n for n in range(500)]  # two seconds
+    assert driven(FailureType.OFF, rising) == [0.0] * 500
+    assert driven(FailureType.STUCK, rising) == [0.6] * 500
+    assert driven(FailureType.DELAYED, rising) == [0.6] * 125 + rising[:375]
+    assert driven(FailureType.INTERMITTENT, rising) == [0.0] * 250 + rising[250:]
+    slow = driven(FailureType.SLOW, rising)
+    assert len(set(slow)) == 51
+    assert slow[9::10] == rising[9::10]
+    wrong = driven(FailureType.WRONG, rising)
+    assert wrong == [min(thrust + 0.5, 1.0) for thrust in rising]
+    garbage = driven(FailureType.GARBAGE, rising)
+    assert len(set(garbage)) > 400
+    assert all(0.0 <= thrust <= 1.0 for thrust in garbage)
+
+
 def test_a_dead_gyro_ends_the_flight(vehicle):
     vehicle.inject(FailureUnit.GYRO, FailureType.OFF)
     vehicle.run(0.02)
@@ -161,7 +224,12 @@ def frames(vehicle: Failing, seconds: float) -> list[np.ndarray]:
 
 @pytest.mark.parametrize(
     ("kind", "count"),
-    [(FailureType.OFF, 0), (FailureType.SLOW, 4), (FailureType.INTERMITTENT, 20)],
+    [
+        (FailureType.OFF, 0),
+        (FailureType.SLOW, 4),
+        (FailureType.INTERMITTENT, 20),
+        (FailureType.DELAYED, 31),  # the first at once, then those of 1.5 s
+    ],
 )
 def test_a_camera_that_gives_fewer_images(vehicle, kind, count):
     vehicle.frame_due()
@@ -179,3 +247,19 @@ def test_a_camera_that_gives_other_images(vehicle):
     garbage = frames(vehicle, 0.2)
     assert garbage[0].std() > 60.0
     assert (garbage[0] != garbage[1]).any()
+
+
+def test_a_camera_that_is_late_keeps_its_stamps(vehicle):
+    vehicle.inject(FailureUnit.CAMERA, FailureType.DELAYED)
+    late_us = []
+    for _ in range(500):
+        vehicle.step()
+        if vehicle.frame_due():
+            late_us.append(vehicle.time_us - vehicle.render().time_us)
+    assert late_us[0] == 0
+    assert all(500_000 <= late <= 504_000 for late in late_us[1:])
+    vehicle.inject(FailureUnit.CAMERA, FailureType.OK)
+    vehicle.run(0.01)
+    while not vehicle.frame_due():
+        vehicle.step()
+    assert vehicle.render().time_us == vehicle.time_us

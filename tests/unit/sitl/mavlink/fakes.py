@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from sitl.errors import UsageError
+from sitl.failures import FailureType
 from sitl.mavlink.framing import Packet, frame, split
 from sitl.mavlink.request import Request
 from sitl.mavlink.streams import GROUND_STATION, StreamTable
@@ -192,6 +193,7 @@ class FakeVehicle:
     def __init__(self) -> None:
         self.time_us = 0
         self.is_silent = False
+        self.signal_fault = FailureType.OK
         self.state = VehicleState(0, ZERO, ZERO, IDENTITY, ZERO, LEVEL_FORCE)
         self.estimate = Estimate(0, ZERO, ZERO, IDENTITY, ZERO, LEVEL_FORCE, *(True, True, True))
         self.readings = Readings(

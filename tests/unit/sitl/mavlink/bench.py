@@ -1,0 +1,74 @@
+"""The endpoint behind real loopback sockets, and clients at its links."""
+
+import socket
+from typing import Any
+
+from sitl.clock import TICK_US
+from sitl.mavlink.camera_component import CameraFacts
+from sitl.mavlink.endpoint import Endpoint
+from sitl.mavlink.framing import Received, frame, pack, split
+from sitl.mavlink.udp_link import LinkConfig, UdpLink
+from tests.unit.sitl.mavlink.fakes import FakeVehicle
+
+FACTS = CameraFacts(
+    stream_uri="http://127.0.0.1:1/stream",
+    width_px=64,
+    height_px=64,
+    field_of_view_deg=90,
+    rate_hz=20.0,
+)
+
+
+class Client:
+    """Somebody at the other end of a link."""
+
+    def __init__(self) -> None:
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.bind(("127.0.0.1", 0))
+        self.socket.settimeout(0.0)
+        self.port: int = self.socket.getsockname()[1]
+        self.link: UdpLink
+
+    def send_raw(self, raw: bytes) -> None:
+        self.socket.sendto(raw, ("127.0.0.1", self.link.local_port))
+
+    def send(self, message: Any, system: int = 255, component: int = 190) -> bytes:
+        raw = frame(pack(message), sequence=0, system=system, component=component)
+        self.send_raw(raw)
+        return raw
+
+    def take(self) -> list[Received]:
+        received: list[Received] = []
+        while True:
+            try:
+                received += split(self.socket.recv(2048))
+            except BlockingIOError:
+                return received
+
+
+class Bench:
+    """A vehicle with both links, and a client at each."""
+
+    def __init__(self) -> None:
+        self.vehicle = FakeVehicle()
+        self.gcs, self.api = Client(), Client()
+        for index, client in enumerate((self.gcs, self.api)):
+            config = LinkConfig(name=str(index), local_port=0, remote_port=client.port)
+            client.link = UdpLink(config, system=1, index=index)
+        self.links = [self.gcs.link, self.api.link]
+        self.endpoint = Endpoint(self.vehicle, self.links, system=1, camera=FACTS)
+
+    def close(self) -> None:
+        for client in (self.gcs, self.api):
+            client.link.close()
+            client.socket.close()
+
+    def handle(self) -> None:
+        for link in self.links:
+            while self.endpoint.receive(link):
+                pass
+
+    def run(self, ticks: int) -> None:
+        for _ in range(ticks):
+            self.endpoint.publish()
+            self.vehicle.time_us += TICK_US
