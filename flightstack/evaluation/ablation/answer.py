@@ -21,6 +21,7 @@ class Against:
     minus: str
     gates: Estimate
     full: Estimate
+    speed_m_s: Estimate  # flown: how well a control's pace is met
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,8 +100,8 @@ def _main(values: Mapping[Point, ByTrack]) -> dict[str, Estimate]:
 
 
 def _against(cells: Mapping[str, Sequence[TrialRow]], strategy: str, minus: str) -> Against:
-    gates, full = (
+    gates, full, speed_m_s = (
         difference_over(by_track(cells[strategy], measure), by_track(cells[minus], measure))
-        for measure in MEASURES
+        for measure in (*MEASURES, "mean_speed_m_s")
     )
-    return Against(strategy=strategy, minus=minus, gates=gates, full=full)
+    return Against(strategy=strategy, minus=minus, gates=gates, full=full, speed_m_s=speed_m_s)

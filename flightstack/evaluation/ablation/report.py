@@ -90,11 +90,12 @@ def _main_effects(answers: Sequence[Answer]) -> list[str]:
 
 def _controls(answers: Sequence[Answer]) -> str:
     return table(
-        ["condition", "strategy", "control", "gates", "whole courses"],
+        ["condition", "strategy", "control", "gates", "whole courses", "mean speed, m/s"],
         (
             [
                 *(answer.condition, one.strategy, one.minus),
                 *(figure(one.gates, "+.2f"), figure(one.full, "+.0%")),
+                figure(one.speed_m_s, "+.3f"),
             ]
             for answer in answers
             for one in answer.controls
