@@ -2,8 +2,6 @@
 
 from collections.abc import Sequence
 from contextlib import ExitStack, closing
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from sitl.autopilot.parameters import Parameters, ParameterType
 from sitl.camera_stream import CameraStream
@@ -17,6 +15,7 @@ from sitl.parameter_file import ParameterFile
 from sitl.sensors.camera import FIELD_OF_VIEW_DEG, SIZE_PX
 from sitl.server import Server
 from sitl.simulation import CAMERA_RATE_HZ, Simulation, SimulationConfig
+from sitl.vehicle_folder import vehicle_folder
 from sitl.video import VideoSender
 
 
@@ -98,7 +97,7 @@ def _make_storage(
 ) -> Storage:
     folder = options.files
     if folder is None:
-        folder = Path(stack.enter_context(TemporaryDirectory(prefix="flightstack-sitl-")))
+        folder = stack.enter_context(vehicle_folder())
     return Storage(
         folder,
         parameters=_describe_parameters(simulation.parameters),
