@@ -4,7 +4,9 @@ import atexit
 import functools
 import multiprocessing
 import signal
+import tempfile
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import Any
 
 from joblib import Parallel, delayed
@@ -22,6 +24,7 @@ from flightstack.evaluation.rows import TrialRow
 from flightstack.evaluation.version import commit
 
 LOKY, RAY = "loky", "ray"
+Order = tuple[Trial, Provenance]
 WORKER_DEATHS = 3
 
 
@@ -69,21 +72,27 @@ def fly(
 
 
 def _in_parallel(
-    orders: Iterable[tuple[Trial, Provenance]], jobs: int, backend: str, *, keep_logs: bool
+    orders: Iterable[Order], jobs: int, backend: str, *, keep_logs: bool
 ) -> Iterator[Flown]:
     settings: dict[str, Any] = {"n_jobs": jobs, "batch_size": 1, "pre_dispatch": "2*n_jobs"}
     if backend == RAY:
         ray_backend.register()
         settings |= {"backend": ray_backend.NAME}
     parallel = Parallel(return_as="generator_unordered", **settings)
-    flown: Iterator[Flown] = parallel(
-        delayed(_fly_one)(trial, provenance, keep_logs) for trial, provenance in orders
-    )
-    return flown
+    with tempfile.TemporaryDirectory(
+        prefix="flightstack-trials-", ignore_cleanup_errors=True
+    ) as scratch:  # here, not in the workers: those that are killed cannot tidy up
+        try:
+            yield from parallel(delayed(_fly_one)(order, scratch, keep_logs) for order in orders)
+        finally:
+            _launcher().close()  # which has flown where one job needs no worker
 
 
-def _fly_one(trial: Trial, provenance: Provenance, keep_log: bool) -> Flown:  # noqa: FBT001
-    return _launcher().fly(trial, provenance, keep_log=keep_log)
+def _fly_one(order: Order, scratch: str, keep_log: bool) -> Flown:  # noqa: FBT001
+    trial, provenance = order
+    launcher = _launcher()
+    launcher.scratch = Path(scratch) if Path(scratch).is_dir() else None  # on another machine
+    return launcher.fly(trial, provenance, keep_log=keep_log)
 
 
 @functools.cache

@@ -43,7 +43,7 @@ def running(out: Path, *options: str) -> Iterator[subprocess.Popen[str]]:
     with subprocess.Popen(
         command(out, *options),
         cwd=ROOT,
-        env=ENVIRONMENT,
+        env=ENVIRONMENT | {"TMPDIR": str(out.parent)},
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -151,6 +151,7 @@ def test_an_interrupted_table_resumes(alone: Path, tmp_path: Path) -> None:
     first = rows(out)
     assert 1 <= len(first) < 4
     assert_all_end(started)
+    assert [path.name for path in out.parent.iterdir()] == [out.name]  # nothing else is left
     ended = run(command(out, "--jobs=2"), timeout_s=LIMIT_S)
     assert ended.code == 0, ended.stderr
     assert f"{len(first)} trials stand already" in ended.stderr

@@ -60,6 +60,7 @@ class Launcher:
     """Flies trials one after another; for one thread."""
 
     def __init__(self) -> None:
+        self.scratch: Path | None = None  # for flights' folders; else where temporary files are
         self._server: WarmServer | None = None
 
     def fly(self, trial: Trial, provenance: Provenance, *, keep_log: bool = False) -> Flown:
@@ -86,7 +87,7 @@ class Launcher:
 
     def _attempt(self, trial: Trial, provenance: Provenance, *, keep_log: bool) -> Landed:
         ports = Ports.find()
-        with tempfile.TemporaryDirectory(prefix="flightstack-trial-") as name:
+        with tempfile.TemporaryDirectory(prefix="trial-", dir=self.scratch) as name:
             folder = Path(name)
             order = {
                 VEHICLE: vehicle_arguments(trial, ports),

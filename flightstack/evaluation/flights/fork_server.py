@@ -14,7 +14,6 @@ import importlib
 import json
 import os
 import select
-import shutil
 import signal
 import sys
 import traceback
@@ -72,8 +71,7 @@ def _fly(order: dict[str, Any], orders: IO[str]) -> dict[str, Any]:
         ready, _, _ = select.select([*pidfds.values(), orders.fileno()], [], [], order["limit_s"])
         ended = {name: pidfd in ready for name, pidfd in pidfds.items()}
     codes = {name: _status(pid, ended=ended[name]) for name, pid in children.items()}
-    if orders.fileno() in ready:  # nobody will order any more, nor tidy up
-        shutil.rmtree(folder, ignore_errors=True)
+    if orders.fileno() in ready:  # nobody will order any more
         raise SystemExit(0)
     return codes
 
