@@ -34,6 +34,7 @@ class HealthWatch:
             (p["BAT_CRIT_THR"], Battery.CRITICAL),
             (p["BAT_LOW_THR"], Battery.LOW),
         )
+        self._highest = max(threshold for threshold, _ in self._thresholds)
         self._watch_battery(self._charge)
 
     def update(
@@ -76,6 +77,8 @@ class HealthWatch:
 
     def _watch_battery(self, remaining: float) -> None:
         self._charge = remaining
+        if remaining >= self._highest and self._battery is Battery.FINE:
+            return
         level = Battery.FINE
         for threshold, name in self._thresholds:
             if remaining < threshold:

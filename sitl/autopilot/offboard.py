@@ -77,13 +77,12 @@ class OffboardStream:
         Where neither yaw nor yaw rate is asked for, the heading at that moment is held.
         """
         good, heading = self._flyable(time_us), self._heading
+        if not isnan(good.yaw_rate_rad_s):
+            self._held_yaw_rad, self._turned_us = None, -1
+            return good
         if time_us - self._turned_us != TICK_US:
             heading.start(yaw_rad)
         self._turned_us = time_us
-        if not isnan(good.yaw_rate_rad_s):
-            self._held_yaw_rad = None
-            heading.start(yaw_rad)
-            return good
         wanted = good.yaw_rad
         if isnan(wanted):
             if self._held_yaw_rad is None:

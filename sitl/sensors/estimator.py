@@ -8,7 +8,7 @@ they do while a filter aligns itself, and false once an aid has been missing for
 import numpy as np
 
 from sitl.records import Estimate, Readings, Vector3, VehicleState
-from sitl.sensors.drift import Drift, accuracy_m
+from sitl.sensors.drift import AIDED_M, Drift, accuracy_m
 from sitl.sensors.gyro_filter import GyroFilter
 from sitl.sensors.noise import normals
 
@@ -82,7 +82,7 @@ class Estimator:
             *flags,
             sensors,
             readings.battery,
-            self._validity.accuracy_m(state.time_us),
+            AIDED_M if sensors.gps else self._validity.accuracy_m(state.time_us),
         )
 
 

@@ -20,7 +20,7 @@ class GyroFilter:
         norm = 1.0 + damping + square
         self._b = square / norm
         self._a1, self._a2 = 2.0 * (square - 1.0) / norm, (1.0 - damping + square) / norm
-        self._memory: tuple[tuple[float, float], ...] | None = None
+        self._memory: tuple[float, ...] | None = None  # two numbers for each axis
 
     def restart(self) -> None:
         """Take the next sample for one that has always been there."""
@@ -30,13 +30,17 @@ class GyroFilter:
         """Smooth one sample."""
         b, a1, a2 = self._b, self._a1, self._a2
         if self._memory is None:
-            self._memory = tuple((rate * (1.0 - b), rate * (b - a2)) for rate in rates_frd)
-        (u1, u2), (v1, v2), (w1, w2) = self._memory
+            at_rest = (1.0 - b, b - a2)
+            self._memory = tuple(rate * share for rate in rates_frd for share in at_rest)
+        u1, u2, v1, v2, w1, w2 = self._memory
         p, q, r = rates_frd
         x, y, z = b * p + u1, b * q + v1, b * r + w1
         self._memory = (
-            (2.0 * b * p - a1 * x + u2, b * p - a2 * x),
-            (2.0 * b * q - a1 * y + v2, b * q - a2 * y),
-            (2.0 * b * r - a1 * z + w2, b * r - a2 * z),
+            2.0 * b * p - a1 * x + u2,
+            b * p - a2 * x,
+            2.0 * b * q - a1 * y + v2,
+            b * q - a2 * y,
+            2.0 * b * r - a1 * z + w2,
+            b * r - a2 * z,
         )
         return (x, y, z)

@@ -81,7 +81,10 @@ class Sensors:
             if self._faults:
                 field = self._vector(FailureUnit.MAGNETOMETER, field, self._field, time_us)
             self._field = field
-        charge = self._charge = self._read_charge(time_us)
+        charge = self.battery.remaining
+        if self._faults:
+            charge = self._read_charge(charge, time_us)
+        self._charge = charge
         return Readings(
             rates,
             force,
@@ -93,9 +96,9 @@ class Sensors:
             pack.voltage_v(charge),
         )
 
-    def _read_charge(self, time_us: int) -> float:
+    def _read_charge(self, charge: float, time_us: int) -> float:
         """Read the battery; a missing one counts as empty, as in PX4's simulator."""
-        charge, fault = self.battery.remaining, self._faults.get(FailureUnit.BATTERY)
+        fault = self._faults.get(FailureUnit.BATTERY)
         return charge if fault is None else fault.share(charge, self._charge, time_us)
 
     def _sample_gps(self, state: VehicleState) -> GpsReading:
