@@ -89,7 +89,9 @@ def _frame_length(data: bytes, at: int, end: int) -> int:
 
 
 def _is_sound(frame: bytes, data: bytes, following: int) -> bool:
-    if message_id(frame) not in CRC_EXTRA:
+    extra = CRC_EXTRA.get(message_id(frame))
+    if extra is None:
         return following == len(data) or data[following] in (MAGIC_V1, MAGIC_V2)
     end = frame[1] + (HEADER_V2 if frame[0] == MAGIC_V2 else HEADER_V1)
-    return checksum(frame) == frame[end] | frame[end + 1] << 8
+    found: int = mcrf4xx(frame[1:end] + extra, CRC_START)
+    return found == frame[end] | frame[end + 1] << 8

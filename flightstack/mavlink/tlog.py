@@ -18,6 +18,7 @@ from flightstack.errors import UsageError
 FLUSH_S = 0.5  # wall time
 FLUSH_BYTES = 1 << 16
 MOST_BYTES = 256 << 20  # of one file: some three hours at 400 messages a second
+TIME = struct.Struct(">Q")
 LINK_BITS = 0x3  # pymavlink reads a link number in the two lowest bits of the time
 
 
@@ -52,7 +53,7 @@ class TlogWriter:
     def append(self, elapsed_us: int, frame: bytes) -> None:
         """Add a frame at a vehicle time counted from the start of the log."""
         time_us = self._start_us + elapsed_us & ~LINK_BITS
-        self._pending += struct.pack(">Q", time_us) + frame
+        self._pending += TIME.pack(time_us) + frame
         if len(self._pending) >= FLUSH_BYTES:
             self.flush()
 
