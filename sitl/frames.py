@@ -46,7 +46,14 @@ def rotate(q: Quaternion, v: Vector3) -> Vector3:
 def rotate_inverse(q: Quaternion, v: Vector3) -> Vector3:
     """Rotate `v` by the inverse of `q`: with q_ned_frd, NED into FRD."""
     w, x, y, z = q
-    return rotate((w, -x, -y, -z), v)
+    tx = 2.0 * (z * v[1] - y * v[2])
+    ty = 2.0 * (x * v[2] - z * v[0])
+    tz = 2.0 * (y * v[0] - x * v[1])
+    return (
+        v[0] + w * tx - y * tz + z * ty,
+        v[1] + w * ty - z * tx + x * tz,
+        v[2] + w * tz - x * ty + y * tx,
+    )
 
 
 def quaternion_from_euler(roll_rad: float, pitch_rad: float, yaw_rad: float) -> Quaternion:

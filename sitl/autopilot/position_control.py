@@ -205,9 +205,10 @@ def _attitude(thrust_ned: Vector3, yaw_rad: float) -> Quaternion:
 
 def _add(a: float, b: float) -> float:
     """Sum of what is given; NaN if neither is."""
-    if isnan(a):
-        return b
-    return a if isnan(b) else a + b
+    total = a + b
+    if isnan(total):
+        return b if isnan(a) else a
+    return total
 
 
 def _or_zero(value: float) -> float:

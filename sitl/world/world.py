@@ -38,13 +38,13 @@ class World:
     def step(self, motors: MotorThrusts, time_us: int) -> VehicleState:
         """Advance by one tick; return the true state at its end, which is `time_us`."""
         self.body.apply(motors, self._tick_s)
-        pybullet.stepSimulation(physicsClientId=self._client)
+        pybullet.stepSimulation(self._client)
         return self.body.state(time_us)
 
     def touches_gate(self) -> bool:
         """Whether the vehicle is in contact with a gate after the last tick."""
         contacts = pybullet.getContactPoints(bodyA=self.body.body_id, physicsClientId=self._client)
-        return any(contact[2] in self._gates for contact in contacts)
+        return bool(contacts) and any(contact[2] in self._gates for contact in contacts)
 
     def _add_ground(self) -> None:
         shape = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=self._client)
