@@ -1,4 +1,6 @@
 import math
+from dataclasses import asdict
+from pathlib import Path
 
 import pytest
 
@@ -85,3 +87,14 @@ def test_a_file_that_is_not_one_is_named(tmp_path) -> None:
     file.write_text("[camera]\nlag_s = 1\n")
     with pytest.raises(UsageError, match=r"wrong\.toml: camera\.lag_s: unknown key"):
         read_conditions(file)
+
+
+def test_the_document_shows_every_key_as_it_may_be(tmp_path) -> None:
+    document = Path(__file__).resolve().parents[3] / "docs" / "conditions.md"
+    example = document.read_text().split("```toml\n")[1].split("```")[0]
+    file = tmp_path / "document.toml"
+    file.write_text(example)
+    conditions = read_conditions(file)
+    for name, part in asdict(conditions).items():
+        assert all(f"{key} = " in example for key in part), name
+    assert conditions != Conditions()

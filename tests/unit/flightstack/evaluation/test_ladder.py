@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import pytest
 
 from flightstack.errors import UsageError
@@ -73,3 +75,11 @@ def test_a_wrong_rung_is_one_line(text: str, fragments: list[str]) -> None:
 def test_an_unknown_rung_names_the_known_ones(name: str) -> None:
     with pytest.raises(UsageError, match=r"unknown rung 'sea.*level1, level2"):
         load_rung(name)
+
+
+def test_the_document_shows_a_rung_as_it_may_be() -> None:
+    document = Path(__file__).resolve().parents[4] / "docs" / "training-and-evaluation.md"
+    text = document.read_text()
+    _, condition = parse_rung("document", text.split("```toml\n")[1].split("```")[0])
+    assert condition.vehicle_options == ("--condition=camera.latency_s=0.1",)
+    assert all(f"`{name}`" in text for name in CLIMB)
