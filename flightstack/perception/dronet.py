@@ -7,11 +7,8 @@ References:
     Gal and Ghahramani 2016, "Dropout as a Bayesian approximation": the slot's masks.
 """
 
-import copy
-
 import torch
 from torch import Generator, Tensor, nn
-from torch.nn.utils.fusion import fuse_conv_bn_eval
 
 FEATURES = 512  # what the trunk hands to the head: 2 x 2 x 128
 LOGVAR_RANGE = (-12.0, 6.0)  # keeps exp() finite however wrong the weights are
@@ -24,7 +21,7 @@ class ResidualBlock(nn.Module):
         super().__init__()
         self.norm1 = nn.BatchNorm2d(channels_in)
         self.conv1 = nn.Conv2d(channels_in, channels_out, 3, stride=2, padding=1)
-        self.norm2: nn.Module = nn.BatchNorm2d(channels_out)
+        self.norm2 = nn.BatchNorm2d(channels_out)
         self.conv2 = nn.Conv2d(channels_out, channels_out, 3, padding=1)
         self.shortcut = nn.Conv2d(channels_in, channels_out, 1, stride=2)
 
@@ -51,16 +48,6 @@ class Trunk(nn.Module):
         """Map images (B, 3, 64, 64) in [-1, 1] to features (B, 512)."""
         maps = self.blocks(self.pool(self.conv(images)))
         return torch.relu(maps.flatten(1))
-
-
-def folded(trunk: Trunk) -> Trunk:
-    """Copy a trained trunk with each norm that follows a convolution made part of it."""
-    copied = copy.deepcopy(trunk).eval()
-    for block in copied.blocks.children():
-        if isinstance(block, ResidualBlock) and isinstance(block.norm2, nn.BatchNorm2d):
-            block.conv1 = fuse_conv_bn_eval(block.conv1, block.norm2)
-            block.norm2 = nn.Identity()
-    return copied
 
 
 class Head(nn.Module):

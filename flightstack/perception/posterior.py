@@ -17,7 +17,8 @@ from torch import Generator, Tensor
 
 from flightstack.perception.cmvae import sample_normal
 from flightstack.perception.config import PerceptionConfig
-from flightstack.perception.dronet import FEATURES, Dronet, folded
+from flightstack.perception.dronet import FEATURES, Dronet
+from flightstack.perception.flight_trunk import FlightTrunk
 from flightstack.perception.preprocessing import network_input
 
 
@@ -40,7 +41,7 @@ class McDropoutPosterior:
         self, encoder: Dronet, generator: Generator, *, samples: int, within: bool = True
     ) -> None:
         self._encoder, self._generator = encoder.eval(), generator
-        self._trunk = folded(encoder.trunk)
+        self._trunk = FlightTrunk(encoder.trunk)
         self._samples, self._within = samples, within
 
     def sample(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
