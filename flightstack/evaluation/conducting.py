@@ -1,7 +1,7 @@
 """Conduct an experiment as a command asks: fly what is missing, write the results, print them."""
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from rich.console import Console
 from rich.markdown import Markdown
@@ -12,9 +12,11 @@ from flightstack.evaluation.experiment import Experiment
 from flightstack.evaluation.flying import fly, weights_of
 from flightstack.evaluation.folder import ROWS, Folder
 from flightstack.evaluation.options import jobs_of
+from flightstack.evaluation.pictures.gallery import Draw, draw_all
 from flightstack.evaluation.rows import TrialRow, read_rows
 from flightstack.evaluation.summary import Pair, Summary, summarise
 
+NO_PICTURES: Mapping[str, Draw] = {}
 SHOWN = 2  # sections on the terminal: the title and the first table
 
 
@@ -23,15 +25,23 @@ def conduct(
     options: argparse.Namespace,
     sections: Callable[[Summary], list[str]],
     pairs: Sequence[Pair] | None = None,
+    pictures: Mapping[str, Draw] = NO_PICTURES,
 ) -> Summary:
     """Fly and sum up; `pairs` are the rows whose differences are told, all where it is None.
 
-    Raises UsageError, ModelError, or UnflownError where trials died in every attempt.
+    `pictures` are drawn beside those that every experiment has. Raises UsageError, ModelError, or
+    UnflownError where trials died in every attempt.
     """
-    summary = summarise(_rows(experiment, options), pairs)
+    rows = _rows(experiment, options)
+    summary = summarise(rows, pairs)
     written = sections(summary)
     results.write(options.out, summary, written)
     console = Console(highlight=False)
+    try:
+        written.append(draw_all(options.out, summary, rows, pictures))
+        results.write(options.out, summary, written)
+    except UsageError as error:  # the figures stand without it
+        console.print(f"no pictures: {error}", soft_wrap=True, markup=False)
     console.print(Markdown("\n".join(written[:SHOWN])))
     console.print(f"wrote {options.out / results.MARKDOWN_FILE}", soft_wrap=True, markup=False)
     return summary

@@ -2,10 +2,11 @@
 
 import argparse
 from collections.abc import Sequence
+from functools import cache
 
 from flightstack import models
 from flightstack.companion.pipeline import load_pipeline
-from flightstack.evaluation.ablation.answer import answer
+from flightstack.evaluation.ablation.answer import Ablation, answer
 from flightstack.evaluation.ablation.design import Point, cube, factorial
 from flightstack.evaluation.ablation.pace import (
     FACTORS,
@@ -23,6 +24,7 @@ from flightstack.evaluation.flying import fly, weights_of
 from flightstack.evaluation.folder import CALIBRATION, ROWS, Folder, calibration_folder
 from flightstack.evaluation.ladder import load_rung
 from flightstack.evaluation.options import jobs_of
+from flightstack.evaluation.pictures.ablation import draw_ablation
 from flightstack.evaluation.results import write_json
 from flightstack.evaluation.rows import read_rows
 from flightstack.evaluation.summary import Summary
@@ -51,17 +53,20 @@ def ablate(options: argparse.Namespace) -> None:
         laps=options.laps,
     )
 
+    @cache
+    def found() -> Ablation:
+        return answer(read_rows(options.out / ROWS), points, controls)
+
     def sections(summary: Summary) -> list[str]:
-        found = answer(read_rows(options.out / ROWS), points, controls)
-        write_json(options.out / ANSWER_FILE, found)
-        return ablation_sections(summary, found, options.model)
+        write_json(options.out / ANSWER_FILE, found())
+        return ablation_sections(summary, found(), options.model)
 
     pairs = [
         (plain_name(one.strategy), plain_name(one.rule))
         for one in controls.values()
         if one.strategy != one.rule
     ]
-    conduct(experiment, options, sections, pairs)
+    conduct(experiment, options, sections, pairs, {"ablation": lambda _: draw_ablation(found())})
 
 
 def _find_controls(

@@ -23,6 +23,7 @@ def run(options: argparse.Namespace) -> None:
     from flightstack.evaluation.experiment import Experiment, tracks  # noqa: PLC0415
     from flightstack.evaluation.folder import ROWS  # noqa: PLC0415
     from flightstack.evaluation.ladder_report import ladder_sections  # noqa: PLC0415
+    from flightstack.evaluation.pictures.ladder import draw_ladder  # noqa: PLC0415
     from flightstack.evaluation.rows import read_rows  # noqa: PLC0415
     from flightstack.evaluation.summary import Summary  # noqa: PLC0415
 
@@ -40,4 +41,4 @@ def run(options: argparse.Namespace) -> None:
     def sections(summary: Summary) -> list[str]:
         return ladder_sections(summary, read_rows(options.out / ROWS), about, "The ladder")
 
-    conduct(experiment, options, sections)
+    conduct(experiment, options, sections, pictures={"ladder": draw_ladder})
