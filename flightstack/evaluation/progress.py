@@ -30,6 +30,7 @@ class Progress:
         self._console = Console(stderr=True, highlight=False)
         self._total = total
         self._done = 0
+        self._simulated_s = 0.0
         self._began_s = self._line_s = time.monotonic()
         self._bar = Bar(
             TextColumn("{task.description}"),
@@ -58,6 +59,12 @@ class Progress:
         trace: TracebackType | None,
     ) -> None:
         self._bar.stop()
+        wall_s = time.monotonic() - self._began_s
+        if self._simulated_s:
+            self.say(
+                f"{self._done} trials: {self._simulated_s:.0f} simulated seconds "
+                f"in {_clock(wall_s)}, {self._simulated_s / wall_s:.1f} a second"
+            )
 
     def say(self, text: str) -> None:
         """Tell something that is worth a line."""
@@ -69,6 +76,7 @@ class Progress:
             again = "flown again" if flown.landed is not None else "given up"
             self.say(f"{flown.trial}: {death}; {again}")
         self._done += 1
+        self._simulated_s += 0.0 if flown.landed is None else flown.landed.simulated_s
         self._bar.update(self._task, completed=self._done)
         now_s = time.monotonic()
         is_due = now_s - self._line_s >= LINE_EVERY_S or self._done == self._total
