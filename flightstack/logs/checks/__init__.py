@@ -8,13 +8,22 @@
 """
 
 from flightstack.logs.checks import log_health, motion_health, offboard_health
-from flightstack.logs.checks.face import Check, Finding, Level, check, load_checks, run_checks
+from flightstack.logs.checks.face import (
+    Check,
+    Finding,
+    Level,
+    check,
+    graded,
+    load_checks,
+    run_checks,
+)
 
 __all__ = [
     "Check",
     "Finding",
     "Level",
     "check",
+    "graded",
     "load_checks",
     "log_health",
     "motion_health",

@@ -1,6 +1,7 @@
 """What a check is, and how checks are registered and run."""
 
 import importlib.util
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
@@ -47,6 +48,13 @@ class Finding:
     def as_facts(self) -> dict[str, str]:
         """Return the finding as plain values."""
         return {"name": self.name, "level": self.level.value, "reason": self.reason}
+
+
+def graded(value: float, *, warning: float, error: float = math.inf) -> Level:
+    """Return how bad a value is that should be small: what is above the limits it passes."""
+    if value > error:
+        return Level.ERROR
+    return Level.WARNING if value > warning else Level.OK
 
 
 REGISTERED: dict[str, Check] = {}

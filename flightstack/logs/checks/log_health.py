@@ -1,6 +1,6 @@
 """Checks of the log itself: losses, damage, clock, and how it ends."""
 
-from flightstack.logs.checks.face import Level, Verdict, check
+from flightstack.logs.checks.face import Level, Verdict, check, graded
 from flightstack.logs.flight import Flight
 
 LOSS_WARNING = 0.01
@@ -21,9 +21,7 @@ def link_loss(flight: Flight) -> Verdict:
         return Level.SKIPPED, "too few messages"
     worst = max(senders, key=lambda loss: loss.fraction)
     reason = f"{worst.fraction:.2%} of {worst.system}/{worst.component} ({worst.lost} messages)"
-    if worst.fraction > LOSS_ERROR:
-        return Level.ERROR, reason
-    return (Level.WARNING if worst.fraction > LOSS_WARNING else Level.OK), reason
+    return graded(worst.fraction, warning=LOSS_WARNING, error=LOSS_ERROR), reason
 
 
 @check(

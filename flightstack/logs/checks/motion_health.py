@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from flightstack.logs.checks.face import Level, Verdict, check
+from flightstack.logs.checks.face import Level, Verdict, check, graded
 from flightstack.logs.flight import Flight
 from flightstack.logs.setpoints import within
 
@@ -12,6 +12,7 @@ LEAST_SAMPLES = 64
 JUMP_M = 0.5  # more than the velocity explains
 JUMP_M_S = 1.5
 MOTOR_LIMITS_US = (1005, 1995)  # of SERVO_OUTPUT_RAW while flying
+SATURATED_SHARE = 0.02  # of the samples with a motor at its limit
 LOW_PERCENT = 20
 CRITICAL_PERCENT = 10
 
@@ -62,7 +63,7 @@ def oscillation(flight: Flight) -> Verdict:
         band = (frequency >= OSCILLATION_HZ[0]) & (frequency <= OSCILLATION_HZ[1])
         worst = max(worst, float(np.sqrt(2 * power[band].sum()) / len(rates)))
     reason = f"{worst:.2f} rad/s between {OSCILLATION_HZ[0]:.0f} and {OSCILLATION_HZ[1]:.0f} Hz"
-    return (Level.WARNING if worst > OSCILLATION_RAD_S else Level.OK), reason
+    return graded(worst, warning=OSCILLATION_RAD_S), reason
 
 
 @check(
@@ -108,7 +109,7 @@ def motor_saturation(flight: Flight) -> Verdict:
     at_limit = ((outputs >= high) | ((outputs <= low) & (outputs > 0))).any(axis=1)
     share = float(at_limit.mean())
     reason = f"a motor at its limit in {share:.1%} of the samples"
-    return (Level.WARNING if share > 0.02 else Level.OK), reason
+    return graded(share, warning=SATURATED_SHARE), reason
 
 
 @check(

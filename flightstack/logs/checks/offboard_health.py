@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from flightstack.logs.checks.face import Level, Verdict, check
+from flightstack.logs.checks.face import Level, Verdict, check, graded
 from flightstack.logs.decisions import UNITS, VELOCITIES
 from flightstack.logs.flight import Flight
 
@@ -87,9 +87,7 @@ def stale_frames(flight: Flight) -> Verdict:
     if latency_ms.max() == 0:
         return Level.OK, "no time passes between a frame and its setpoint: flown in lockstep"
     reason = f"median {p50:.1f} ms, 99 % within {p99:.1f} ms"
-    if p99 > STALE_MS:
-        return Level.ERROR, reason
-    return (Level.WARNING if p99 > LATE_MS else Level.OK), reason
+    return graded(p99, warning=LATE_MS, error=STALE_MS), reason
 
 
 @check(
@@ -109,7 +107,7 @@ def response_latency(flight: Flight) -> Verdict:
     if not known:
         return Level.SKIPPED, "no velocity changed enough in OFFBOARD to measure a lag"
     reason = ", ".join(f"{name} {lag:.2f} s" for name, lag in known.items())
-    return (Level.WARNING if max(known.values()) > SLOW_RESPONSE_S else Level.OK), reason
+    return graded(max(known.values()), warning=SLOW_RESPONSE_S), reason
 
 
 @check(
@@ -154,4 +152,4 @@ def command_saturation(flight: Flight) -> Verdict:
     if worst is None:
         return Level.SKIPPED, "no command changes"
     reason = f"{worst} stands at its largest value in {shares[worst]:.0%} of the setpoints"
-    return (Level.WARNING if shares[worst] > SATURATED_SHARE else Level.OK), reason
+    return graded(shares[worst], warning=SATURATED_SHARE), reason
