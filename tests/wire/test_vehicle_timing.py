@@ -154,7 +154,7 @@ def test_short_gaps_are_harmless_and_long_ones_are_not(pilot: Pilot) -> None:
     failed = [
         m._timestamp
         for m in of_type(messages, "STATUSTEXT")
-        if m.text.startswith("Failsafe activated")
+        if m.text.startswith("Failsafe activated") and m._timestamp < sent[-1]
     ]
     assert len(failed) == sum(gap > 1.002 for gap in gaps.values()) >= 2
     for at_s in failed:
