@@ -23,8 +23,9 @@ from flightstack.logs.framing import (
     holds_checksum,
     record_times,
 )
-from flightstack.logs.source import WINDOW_BYTES, Source
+from flightstack.logs.source import Source
 
+STRETCH_BYTES = 1 << 20  # with all that is made of it, it fits the caches
 FOLLOWS, BEGINS = 1, 2  # marks of a byte: a time after a record ends here, a record starts here
 
 
@@ -99,7 +100,7 @@ def _in_window(
 
 
 def find_chained(
-    source: Source, msgids: list[int], window_bytes: int = WINDOW_BYTES
+    source: Source, msgids: list[int], stretch_bytes: int = STRETCH_BYTES
 ) -> Frames | None:
     """Return the frames with these ids, all of them known, in file order.
 
@@ -107,11 +108,11 @@ def find_chained(
     """
     parts: list[Frames] = []
     every_time: list[Positions] = []
-    marks = np.empty(window_bytes + TIMESTAMP + 1, dtype=np.uint8)  # once, not a window
+    marks = np.empty(stretch_bytes + TIMESTAMP + 1, dtype=np.uint8)  # once, not a window
     edge = 0
     while edge < source.size:
-        data = source.read(edge, edge + window_bytes)
-        found = _in_window(data, msgids, marks, is_last=edge + window_bytes >= source.size)
+        data = source.read(edge, edge + stretch_bytes)
+        found = _in_window(data, msgids, marks, is_last=edge + stretch_bytes >= source.size)
         if found is None:
             return None
         frames, times, stop = found

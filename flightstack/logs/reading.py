@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flightstack.logs import clock
 from flightstack.logs.boot_clock import times_since_boot_us
-from flightstack.logs.chain import find_chained
+from flightstack.logs.chain import STRETCH_BYTES, find_chained
 from flightstack.logs.dialect import ids_by_name, message_id
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.frames import IS_UNKNOWN, NO_TIME, Frames, join
@@ -57,7 +57,9 @@ def _read_whole(source: Source, window_bytes: int = WINDOW_BYTES) -> Log:
 def _read_types(source: Source, patterns: Iterable[str], window_bytes: int) -> Log | None:
     """Return the log with frames of these types, None where it has to be read whole for them."""
     msgids = _known_ids(patterns)
-    frames = None if msgids is None else find_chained(source, msgids, window_bytes)
+    frames = (
+        None if msgids is None else find_chained(source, msgids, min(window_bytes, STRETCH_BYTES))
+    )
     if frames is None:
         return None
     return Log(source, frames, frames.time_us, lambda: _read_whole(source, window_bytes))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flightstack.logs.errors import LogFileError
 
-WINDOW_BYTES = 1 << 20  # fits the caches; larger is not faster
+WINDOW_BYTES = 2 << 20  # fits the caches; larger is not faster
 SMALL_BYTES = 32 << 20  # logs up to here are held in memory, larger ones read by windows
 MISTAKEN = {  # first bytes of files that people pass by mistake
     b"ULog\x01\x12\x35": "a PX4 ULog, not a MAVLink log: use pyulog or PX4's Flight Review",
