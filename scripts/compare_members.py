@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.table import Table
 
 from flightstack import models
-from flightstack.evaluation.scenes import render_scene
+from flightstack.evaluation.offline.scenes import render_scene
 from flightstack.policy.network import PolicyStack
 from flightstack.records import VELOCITIES
 from flightstack.training.batches import Images

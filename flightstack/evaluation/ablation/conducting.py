@@ -17,17 +17,17 @@ from flightstack.evaluation.ablation.pace import (
     validation_tracks,
 )
 from flightstack.evaluation.ablation.report import ablation_sections
-from flightstack.evaluation.competitors import plain_name
-from flightstack.evaluation.conducting import conduct
-from flightstack.evaluation.experiment import Condition, Experiment, Row, tracks
-from flightstack.evaluation.flying import fly, weights_of
-from flightstack.evaluation.folder import CALIBRATION, ROWS, Folder, calibration_folder
-from flightstack.evaluation.ladder import load_rung
-from flightstack.evaluation.options import jobs_of
+from flightstack.evaluation.experiments.competitors import plain_name
+from flightstack.evaluation.experiments.conducting import conduct
+from flightstack.evaluation.experiments.experiment import Condition, Experiment, Row, tracks
+from flightstack.evaluation.experiments.flying import fly, weights_of
+from flightstack.evaluation.experiments.folder import CALIBRATION, ROWS, Folder, calibration_folder
+from flightstack.evaluation.experiments.options import jobs_of
+from flightstack.evaluation.experiments.rows import read_rows
+from flightstack.evaluation.ladder.rungs import load_rung
 from flightstack.evaluation.pictures.ablation import draw_ablation
-from flightstack.evaluation.results import write_json
-from flightstack.evaluation.rows import read_rows
-from flightstack.evaluation.summary import Summary
+from flightstack.evaluation.results.summary import Summary
+from flightstack.evaluation.results.writing import write_json
 
 ANSWER_FILE = "ablation.json"
 CALIBRATION_LAPS = 1

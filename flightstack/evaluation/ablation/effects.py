@@ -11,7 +11,7 @@ import itertools
 from collections.abc import Iterable, Mapping, Sequence
 
 from flightstack.evaluation.ablation.design import FACTORS, PLAIN, Point, corner
-from flightstack.evaluation.statistics import Estimate, mean_over
+from flightstack.evaluation.results.statistics import Estimate, mean_over
 
 ByTrack = Mapping[int, float]
 

@@ -4,14 +4,14 @@ from collections.abc import Mapping, Sequence
 
 from flightstack.evaluation.ablation.answer import Ablation, Against, Answer
 from flightstack.evaluation.ablation.design import FACTORS, PAPERS, PLAIN
-from flightstack.evaluation.markdown import (
+from flightstack.evaluation.results.markdown import (
     cells,
     common_sections,
     figure,
     table,
 )
-from flightstack.evaluation.statistics import Estimate
-from flightstack.evaluation.summary import Summary
+from flightstack.evaluation.results.statistics import Estimate
+from flightstack.evaluation.results.summary import Summary
 
 Measures = Mapping[str, Mapping[str, Estimate]]
 

@@ -2,7 +2,7 @@
 
 import argparse
 
-from flightstack.evaluation.options import add_flying_options
+from flightstack.evaluation.experiments.options import add_flying_options
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,11 +27,11 @@ def run(options: argparse.Namespace) -> None:
     """Fly what is missing, then write and print the results."""
     # Here, not above: --help must not wait for scipy and torch.
     from flightstack.errors import UsageError  # noqa: PLC0415
-    from flightstack.evaluation.competitors import make_brought_row, make_rows  # noqa: PLC0415
-    from flightstack.evaluation.conducting import conduct  # noqa: PLC0415
-    from flightstack.evaluation.experiment import Experiment, tracks  # noqa: PLC0415
-    from flightstack.evaluation.ladder import load_rung  # noqa: PLC0415
-    from flightstack.evaluation.results import plain_sections  # noqa: PLC0415
+    from flightstack.evaluation.experiments.competitors import make_brought_row, make_rows  # noqa: PLC0415
+    from flightstack.evaluation.experiments.conducting import conduct  # noqa: PLC0415
+    from flightstack.evaluation.experiments.experiment import Experiment, tracks  # noqa: PLC0415
+    from flightstack.evaluation.ladder.rungs import load_rung  # noqa: PLC0415
+    from flightstack.evaluation.results.writing import plain_sections  # noqa: PLC0415
 
     brought = (options.perception, options.policy, options.strategy)
     if not any(brought):

@@ -14,7 +14,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Draw, and say where."""
-    from flightstack.evaluation.figures import draw_ambiguity  # noqa: PLC0415  torch is slow
+    from flightstack.evaluation.offline.figures import draw_ambiguity  # noqa: PLC0415  torch is slow
 
     path = draw_ambiguity(options.model, options.out, seed=options.seed)
     print(f"wrote {path}")

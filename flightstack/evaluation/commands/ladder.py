@@ -2,7 +2,7 @@
 
 import argparse
 
-from flightstack.evaluation.options import add_flying_options
+from flightstack.evaluation.experiments.options import add_flying_options
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -17,17 +17,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Fly what is missing, then write and print the results."""
     # Here, not above: --help must not wait for scipy and torch.
-    from flightstack.evaluation import ladder  # noqa: PLC0415
-    from flightstack.evaluation.competitors import make_rows  # noqa: PLC0415
-    from flightstack.evaluation.conducting import conduct  # noqa: PLC0415
-    from flightstack.evaluation.experiment import Experiment, tracks  # noqa: PLC0415
-    from flightstack.evaluation.folder import ROWS  # noqa: PLC0415
-    from flightstack.evaluation.ladder_report import ladder_sections  # noqa: PLC0415
+    from flightstack.evaluation.experiments.competitors import make_rows  # noqa: PLC0415
+    from flightstack.evaluation.experiments.conducting import conduct  # noqa: PLC0415
+    from flightstack.evaluation.experiments.experiment import Experiment, tracks  # noqa: PLC0415
+    from flightstack.evaluation.experiments.folder import ROWS  # noqa: PLC0415
+    from flightstack.evaluation.experiments.rows import read_rows  # noqa: PLC0415
+    from flightstack.evaluation.ladder.report import ladder_sections  # noqa: PLC0415
+    from flightstack.evaluation.ladder.rungs import known_rungs, load_rung  # noqa: PLC0415
     from flightstack.evaluation.pictures.ladder import draw_ladder  # noqa: PLC0415
-    from flightstack.evaluation.rows import read_rows  # noqa: PLC0415
-    from flightstack.evaluation.summary import Summary  # noqa: PLC0415
+    from flightstack.evaluation.results.summary import Summary  # noqa: PLC0415
 
-    rungs = [ladder.load_rung(name) for name in options.rungs or ladder.known_rungs()]
+    rungs = [load_rung(name) for name in options.rungs or known_rungs()]
     about = {condition.name: rung.about for rung, condition in rungs}
     experiment = Experiment(
         name="ladder",

@@ -2,7 +2,7 @@
 
 import argparse
 
-from flightstack.evaluation.options import add_flying_options
+from flightstack.evaluation.experiments.options import add_flying_options
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -17,10 +17,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Fly what is missing, then write and print the results."""
     # Here, not above: --help must not wait for scipy and torch.
-    from flightstack.evaluation import paper  # noqa: PLC0415
-    from flightstack.evaluation.conducting import conduct  # noqa: PLC0415
-    from flightstack.evaluation.experiment import Experiment, tracks  # noqa: PLC0415
-    from flightstack.evaluation.results import table_sections  # noqa: PLC0415
+    from flightstack.evaluation.experiments.conducting import conduct  # noqa: PLC0415
+    from flightstack.evaluation.experiments.experiment import Experiment, tracks  # noqa: PLC0415
+    from flightstack.evaluation.results import paper  # noqa: PLC0415
+    from flightstack.evaluation.results.writing import table_sections  # noqa: PLC0415
 
     experiment = Experiment(
         name="table",

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from flightstack.evaluation.experiment import Trial
+from flightstack.evaluation.experiments.experiment import Trial
 from flightstack.evaluation.flights.ports import Ports
 
 LAP_LIMIT_S = 90.0  # vehicle time

@@ -4,10 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from flightstack.evaluation.experiment import Trial
-from flightstack.evaluation.flights.command_lines import GATE_LIMIT_S
-from flightstack.evaluation.flights.trace import Trace, speeds
-from flightstack.evaluation.rows import (
+from flightstack.evaluation.experiments.experiment import Trial
+from flightstack.evaluation.experiments.rows import (
     COLLISION,
     FINISHED,
     MISSED,
@@ -15,6 +13,8 @@ from flightstack.evaluation.rows import (
     TIMEOUT,
     TrialRow,
 )
+from flightstack.evaluation.flights.command_lines import GATE_LIMIT_S
+from flightstack.evaluation.flights.trace import Trace, speeds
 from flightstack.logs import Log, read
 from flightstack.logs.course import find_events
 from flightstack.logs.decisions import Decisions, find_decisions

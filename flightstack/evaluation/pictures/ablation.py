@@ -7,7 +7,7 @@ from flightstack.evaluation.ablation.answer import Ablation, Answer
 from flightstack.evaluation.ablation.design import FACTORS
 from flightstack.evaluation.pictures.dots import LINE_IN, draw_dot, lay_lines
 from flightstack.evaluation.pictures.style import COLOURS, INK, new_figure
-from flightstack.evaluation.statistics import CONFIDENCE, Estimate
+from flightstack.evaluation.results.statistics import CONFIDENCE, Estimate
 
 PANEL_IN = 4.4
 LABELS_IN = 2.6

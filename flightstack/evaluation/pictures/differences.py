@@ -4,8 +4,8 @@ from typing import Any
 
 from flightstack.evaluation.pictures.dots import LINE_IN, draw_dot, lay_lines
 from flightstack.evaluation.pictures.style import COLOURS, INK, new_figure
-from flightstack.evaluation.statistics import Estimate
-from flightstack.evaluation.summary import Difference, Summary
+from flightstack.evaluation.results.statistics import Estimate
+from flightstack.evaluation.results.summary import Difference, Summary
 
 WIDTH_IN = 11.0
 HEAD_IN = 1.1

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from flightstack.evaluation.pictures.style import GROUND, INK, MUTED, plain
-from flightstack.evaluation.statistics import Estimate
+from flightstack.evaluation.results.statistics import Estimate
 
 LINE_IN = 0.26
 

@@ -4,7 +4,7 @@ from typing import Any
 
 from flightstack.evaluation.pictures.dots import lay_lines
 from flightstack.evaluation.pictures.style import INK, looks, new_figure
-from flightstack.evaluation.summary import Summary
+from flightstack.evaluation.results.summary import Summary
 
 WIDTH_IN = 8.0
 HEAD_IN = 1.5

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from flightstack.evaluation.pictures.style import INK, Look, looks, new_figure, plain
-from flightstack.evaluation.summary import Cell, Summary
+from flightstack.evaluation.results.summary import Cell, Summary
 
 PANEL_IN = (4.6, 3.4)
 MOST_ACROSS = 3

@@ -9,8 +9,8 @@ import pytest
 from flightstack.errors import UsageError
 from flightstack.evaluation.cli import COMMANDS, main
 from flightstack.evaluation.libraries import load_library
-from flightstack.evaluation.predicting import PARTS
-from flightstack.evaluation.scenes import SPOILS
+from flightstack.evaluation.offline.predicting import PARTS
+from flightstack.evaluation.offline.scenes import SPOILS
 from flightstack.records import VELOCITIES
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from flightstack.evaluation.cli import main
-from flightstack.evaluation.rows import header_line, to_line
+from flightstack.evaluation.experiments.rows import header_line, to_line
 from flightstack.models import PACKAGE
 from tests.unit.flightstack.evaluation.made_rows import ONE, made_row
 

@@ -6,7 +6,7 @@ from flightstack.evaluation.ablation.answer import answer
 from flightstack.evaluation.ablation.design import FACTORS, PAPERS, VX, cube, factorial
 from flightstack.evaluation.ablation.pace import Control
 from flightstack.evaluation.ablation.report import ablation_sections
-from flightstack.evaluation.summary import summarise
+from flightstack.evaluation.results.summary import summarise
 from tests.unit.flightstack.evaluation.made_rows import made_row
 
 TRACKS = range(1000, 1010)

@@ -12,8 +12,8 @@ from flightstack.evaluation.pictures.ablation import draw_ablation
 from flightstack.evaluation.pictures.differences import draw_differences
 from flightstack.evaluation.pictures.ladder import draw_ladder
 from flightstack.evaluation.pictures.survival import draw_survival
-from flightstack.evaluation.statistics import Estimate
-from flightstack.evaluation.summary import Summary, summarise
+from flightstack.evaluation.results.statistics import Estimate
+from flightstack.evaluation.results.summary import Summary, summarise
 from tests.unit.flightstack.evaluation.made_rows import made_row
 
 pytest.importorskip("matplotlib")

@@ -10,7 +10,7 @@ from flightstack.errors import UsageError
 from flightstack.evaluation.flights.trace import Trace
 from flightstack.evaluation.pictures.gallery import draw_all, find_ways
 from flightstack.evaluation.pictures.ladder import draw_ladder
-from flightstack.evaluation.summary import summarise
+from flightstack.evaluation.results.summary import summarise
 from tests.unit.flightstack.evaluation.made_rows import made_row
 
 ROWS = [

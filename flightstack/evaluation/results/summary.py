@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from flightstack.evaluation.rows import TrialRow, by_cell, by_track
-from flightstack.evaluation.statistics import (
+from flightstack.evaluation.experiments.rows import TrialRow, by_cell, by_track
+from flightstack.evaluation.results.statistics import (
     CONFIDENCE,
     RESAMPLES,
     Estimate,

@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from flightstack.errors import UsageError
-from flightstack.evaluation import paper
-from flightstack.evaluation.experiment import Experiment, Trial
+from flightstack.evaluation.experiments.experiment import Experiment, Trial
+from flightstack.evaluation.experiments.folder import Folder, calibration_folder
+from flightstack.evaluation.experiments.rows import header_line, read_rows, to_line
 from flightstack.evaluation.flights.flight import Flown, Landed
 from flightstack.evaluation.flights.trace import Trace
-from flightstack.evaluation.folder import Folder, calibration_folder
-from flightstack.evaluation.rows import header_line, read_rows, to_line
+from flightstack.evaluation.results import paper
 from tests.unit.flightstack.evaluation.made_rows import made_row
 
 WEIGHTS = {"paper/m0": "ab" * 32}

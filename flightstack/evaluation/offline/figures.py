@@ -12,8 +12,8 @@ from scipy.stats import gaussian_kde, norm
 
 from flightstack import models
 from flightstack.evaluation.libraries import load_pyplot
-from flightstack.evaluation.predicting import Predictor
-from flightstack.evaluation.scenes import DOUBLE_GATE, render_scene
+from flightstack.evaluation.offline.predicting import Predictor
+from flightstack.evaluation.offline.scenes import DOUBLE_GATE, render_scene
 from flightstack.records import VELOCITIES, ActionSamples
 
 LATENT_DRAWS = 32  # times M samples, for smooth latent densities

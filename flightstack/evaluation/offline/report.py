@@ -9,8 +9,8 @@ from rich.console import Console
 from rich.table import Table
 
 from flightstack.evaluation.libraries import load_pyplot
-from flightstack.evaluation.offline import BAND_M, Judgement
-from flightstack.evaluation.predicting import PARTS
+from flightstack.evaluation.offline.measuring import BAND_M, Judgement
+from flightstack.evaluation.offline.predicting import PARTS
 from flightstack.perception.labels import LABELS
 from flightstack.records import VELOCITIES
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.evaluation.scenes import SPOILS, render_scene
+from flightstack.evaluation.offline.scenes import SPOILS, render_scene
 from flightstack.training.flights import fly
 from flightstack.training.gate_views import ViewRenderer
 from flightstack.training.recipe import Recipe

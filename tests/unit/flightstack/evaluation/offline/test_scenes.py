@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.scenes import DOUBLE_GATE, NO_GATE, PLAIN, SPOILS, render_scene
+from flightstack.evaluation.offline.scenes import DOUBLE_GATE, NO_GATE, PLAIN, SPOILS, render_scene
 
 COUNT = 6
 

@@ -7,14 +7,14 @@ from rich.console import Console
 from rich.markdown import Markdown
 
 from flightstack.errors import UsageError
-from flightstack.evaluation import results
-from flightstack.evaluation.experiment import Experiment
-from flightstack.evaluation.flying import fly, weights_of
-from flightstack.evaluation.folder import ROWS, Folder
-from flightstack.evaluation.options import jobs_of
+from flightstack.evaluation.experiments.experiment import Experiment
+from flightstack.evaluation.experiments.flying import fly, weights_of
+from flightstack.evaluation.experiments.folder import ROWS, Folder
+from flightstack.evaluation.experiments.options import jobs_of
+from flightstack.evaluation.experiments.rows import TrialRow, read_rows
 from flightstack.evaluation.pictures.gallery import Draw, draw_all
-from flightstack.evaluation.rows import TrialRow, read_rows
-from flightstack.evaluation.summary import Pair, Summary, summarise
+from flightstack.evaluation.results import writing
+from flightstack.evaluation.results.summary import Pair, Summary, summarise
 
 NO_PICTURES: Mapping[str, Draw] = {}
 SHOWN = 2  # sections on the terminal: the title and the first table
@@ -35,15 +35,15 @@ def conduct(
     rows = _rows(experiment, options)
     summary = summarise(rows, pairs)
     written = sections(summary)
-    results.write(options.out, summary, written)
+    writing.write(options.out, summary, written)
     console = Console(highlight=False)
     try:
         written.append(draw_all(options.out, summary, rows, pictures))
-        results.write(options.out, summary, written)
+        writing.write(options.out, summary, written)
     except UsageError as error:  # the figures stand without it
         console.print(f"no pictures: {error}", soft_wrap=True, markup=False)
     console.print(Markdown("\n".join(written[:SHOWN])))
-    console.print(f"wrote {options.out / results.MARKDOWN_FILE}", soft_wrap=True, markup=False)
+    console.print(f"wrote {options.out / writing.MARKDOWN_FILE}", soft_wrap=True, markup=False)
     return summary
 
 

@@ -5,7 +5,13 @@ from pathlib import Path
 import pytest
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.rows import by_cell, by_track, header_line, read_rows, to_line
+from flightstack.evaluation.experiments.rows import (
+    by_cell,
+    by_track,
+    header_line,
+    read_rows,
+    to_line,
+)
 from tests.unit.flightstack.evaluation.made_rows import ONE, made_row
 
 

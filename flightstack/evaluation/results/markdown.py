@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Iterable, Sequence
 
-from flightstack.evaluation.statistics import NO_SPREAD, Estimate
-from flightstack.evaluation.summary import Cell, Summary
+from flightstack.evaluation.results.statistics import NO_SPREAD, Estimate
+from flightstack.evaluation.results.summary import Cell, Summary
 
 SURVIVAL_AT = (1, 2, 4, 8, 16, 24, 32)  # gates
 

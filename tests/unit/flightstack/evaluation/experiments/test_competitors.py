@@ -1,13 +1,13 @@
 import pytest
 
 from flightstack.errors import ModelError, UsageError
-from flightstack.evaluation.competitors import (
+from flightstack.evaluation.experiments.competitors import (
     make_brought_row,
     make_rows,
     model_name,
     plain_name,
 )
-from flightstack.evaluation.experiment import Row
+from flightstack.evaluation.experiments.experiment import Row
 
 EXAMPLES = "docs/examples/cautious"
 

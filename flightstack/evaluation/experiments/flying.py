@@ -14,14 +14,14 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from flightstack import models
 from flightstack.errors import FlightstackError, ModelError
-from flightstack.evaluation import ray_backend
-from flightstack.evaluation.experiment import Experiment, Trial
+from flightstack.evaluation.experiments import ray_backend
+from flightstack.evaluation.experiments.experiment import Experiment, Trial
+from flightstack.evaluation.experiments.folder import Folder
+from flightstack.evaluation.experiments.progress import Progress
+from flightstack.evaluation.experiments.rows import TrialRow
+from flightstack.evaluation.experiments.version import commit
 from flightstack.evaluation.flights.flight import Flown, Launcher
 from flightstack.evaluation.flights.reading import Provenance
-from flightstack.evaluation.folder import Folder
-from flightstack.evaluation.progress import Progress
-from flightstack.evaluation.rows import TrialRow
-from flightstack.evaluation.version import commit
 
 LOKY, RAY = "loky", "ray"
 Order = tuple[Trial, Provenance]

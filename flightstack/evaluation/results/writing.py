@@ -7,9 +7,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from flightstack.evaluation import paper
-from flightstack.evaluation.markdown import cells, common_sections, figure, table
-from flightstack.evaluation.summary import Summary
+from flightstack.evaluation.results import paper
+from flightstack.evaluation.results.markdown import cells, common_sections, figure, table
+from flightstack.evaluation.results.summary import Summary
 
 JSON_FILE, MARKDOWN_FILE = "results.json", "results.md"
 

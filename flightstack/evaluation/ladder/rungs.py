@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.experiment import Condition
+from flightstack.evaluation.experiments.experiment import Condition
 from flightstack.tables import record_from_table
 from sitl.conditions import parse_conditions
 from sitl.errors import SitlError
@@ -95,4 +95,4 @@ def _options(conditions: dict[str, dict[str, Any]]) -> tuple[str, ...]:
 
 
 def _folder() -> Traversable:
-    return files("flightstack.evaluation") / "rungs"
+    return files("flightstack.evaluation.ladder") / "definitions"

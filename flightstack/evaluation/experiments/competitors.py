@@ -6,7 +6,7 @@ from pathlib import PurePath
 
 from flightstack import models
 from flightstack.companion.pipeline import load_pipeline
-from flightstack.evaluation.experiment import Row
+from flightstack.evaluation.experiments.experiment import Row
 
 PATH_PARTS = 2  # of a model's folder that name it: its recipe and its name
 PARTS = ("perception", "policy")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import bootstrap
 
-from flightstack.evaluation.statistics import (
+from flightstack.evaluation.results.statistics import (
     BCA,
     EXACT,
     NO_SPREAD,

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from flightstack.evaluation.scores import LEVELS, coverage_curve, detection, mixture_scores
+from flightstack.evaluation.offline.scores import LEVELS, coverage_curve, detection, mixture_scores
 
 RNG = np.random.default_rng(0)
 

@@ -2,8 +2,8 @@ from dataclasses import replace
 
 import pytest
 
-from flightstack.evaluation.ladder_report import ladder_sections, rung_costs
-from flightstack.evaluation.summary import summarise
+from flightstack.evaluation.ladder.report import ladder_sections, rung_costs
+from flightstack.evaluation.results.summary import summarise
 from tests.unit.flightstack.evaluation.made_rows import made_row
 
 GATES = {"level2": (32, 30, 31), "fog": (8, 3, 10)}

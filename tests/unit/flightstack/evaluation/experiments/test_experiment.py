@@ -3,8 +3,8 @@ from itertools import islice
 import pytest
 
 from flightstack.errors import UsageError
-from flightstack.evaluation import paper
-from flightstack.evaluation.experiment import Condition, Experiment, Row, tracks
+from flightstack.evaluation.experiments.experiment import Condition, Experiment, Row, tracks
+from flightstack.evaluation.results import paper
 
 ROWS = paper.rows("paper")
 CONDITIONS = tuple(paper.level(text) for text in ("1", "2"))

@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Mapping, Sequence
 
-from flightstack.evaluation.markdown import (
+from flightstack.evaluation.experiments.rows import TrialRow, by_cell, by_track
+from flightstack.evaluation.results.markdown import (
     differences,
     figure,
     footnotes,
@@ -10,9 +11,8 @@ from flightstack.evaluation.markdown import (
     survival,
     table,
 )
-from flightstack.evaluation.rows import TrialRow, by_cell, by_track
-from flightstack.evaluation.statistics import Estimate, difference_over
-from flightstack.evaluation.summary import Cell, Summary
+from flightstack.evaluation.results.statistics import Estimate, difference_over
+from flightstack.evaluation.results.summary import Cell, Summary
 
 STANDS_ON = "level2"  # what most rungs add one trouble to
 

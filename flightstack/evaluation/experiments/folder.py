@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.experiment import Experiment, Trial
+from flightstack.evaluation.experiments.experiment import Experiment, Trial
+from flightstack.evaluation.experiments.rows import TrialRow, header_line, read_rows, to_line
 from flightstack.evaluation.flights.flight import Flown
-from flightstack.evaluation.rows import TrialRow, header_line, read_rows, to_line
 
 ASKED, ROWS, TIMES = "experiment.json", "trials.csv", "times.csv"
 TRACES, LOGS = "traces", "logs"

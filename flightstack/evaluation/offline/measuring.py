@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from flightstack import models
-from flightstack.evaluation.material import Material
-from flightstack.evaluation.predicting import PARTS, Predictions
-from flightstack.evaluation.scenes import DOUBLE_GATE, PLAIN
-from flightstack.evaluation.scores import LEVELS, coverage_curve, detection, mixture_scores
+from flightstack.evaluation.offline.material import Material
+from flightstack.evaluation.offline.predicting import PARTS, Predictions
+from flightstack.evaluation.offline.scenes import DOUBLE_GATE, PLAIN
+from flightstack.evaluation.offline.scores import LEVELS, coverage_curve, detection, mixture_scores
 from flightstack.models import Model
 from flightstack.perception.gate_pose import read_poses
 from flightstack.perception.labels import LABELS, RANGE

@@ -1,0 +1,1 @@
+"""Trials: what is asked for, flown in parallel into a folder that resumes."""

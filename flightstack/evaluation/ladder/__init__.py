@@ -1,0 +1,1 @@
+"""Named rungs beyond the paper's levels, and what each costs."""

@@ -1,0 +1,1 @@
+"""Judge models on images that they have not seen, without a flight."""
