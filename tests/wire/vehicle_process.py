@@ -90,12 +90,14 @@ class Client:
 class Vehicle:
     """The process and its two clients."""
 
-    def __init__(self, *options: str, environment: dict[str, str] | None = None) -> None:
+    def __init__(
+        self, *options: str, environment: dict[str, str] | None = None, module: str = "sitl"
+    ) -> None:
         self.gcs, self.api = Client(), Client()
         self.started_s = time.monotonic()
         self.process = subprocess.Popen(
             [
-                *(sys.executable, "-m", "sitl", f"--gcs-link=0:{self.gcs.port}"),
+                *(sys.executable, "-m", module, f"--gcs-link=0:{self.gcs.port}"),
                 *(f"--api-link=0:{self.api.port}", "--camera-port=0", *options),
             ],
             cwd=ROOT,
