@@ -118,7 +118,9 @@ def tilt_deg(estimate: Estimate) -> float:
     return math.degrees(math.acos(1.0 - 2.0 * (x * x + y * y)))
 
 
-def respond(run: Run, step: Vector3, yaw_rate: float, seconds: float) -> Bands:
+def respond(
+    run: Run, step: Vector3, yaw_rate: float, seconds: float, stopping_s: float = 2.0
+) -> Bands:
     """Measure one step; the figures, in the order of the bands."""
     run.stream(ZERO, 0.0, 2.0)
     heading, start_us = run.simulation.autopilot.yaw_rad, run.simulation.time_us
@@ -141,7 +143,7 @@ def respond(run: Run, step: Vector3, yaw_rate: float, seconds: float) -> Bands:
         for least in (0.10, 0.632, 0.90)
     )
     back_us = run.simulation.time_us
-    stopping = run.stream(ZERO, 0.0, 2.0)
+    stopping = run.stream(ZERO, 0.0, stopping_s)
     return Bands(
         t10,
         t63,
