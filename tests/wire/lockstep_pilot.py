@@ -49,6 +49,7 @@ class LockstepPilot:
     def __init__(self, vehicle: Vehicle) -> None:
         self.gcs = vehicle.gcs
         self.time_s = 0.0
+        self.says_hello = True  # once a second
         self._frames = 0
         self.gcs.wait_for(is_from(100, "HEARTBEAT"))
         self.gcs.command(512, mavlink.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION, target=(1, 100))
@@ -87,7 +88,7 @@ class LockstepPilot:
         """Take one frame and what came before it, and answer it."""
         part = self._viewer.read()
         heard = self._take(part.time_us) if self._frames else []
-        if self._frames % HELLO_FRAMES == 0:
+        if self.says_hello and self._frames % HELLO_FRAMES == 0:
             self.gcs.say_hello()
         self._frames += 1
         s = setpoint

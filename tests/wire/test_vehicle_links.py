@@ -53,6 +53,37 @@ def test_four_links_speak_and_forward_to_each_other(further: Client) -> None:
     assert f"link 2 udp to 127.0.0.1:{further.port}, link 3 tcp {tcp_port}" in said
 
 
+def test_whoever_speaks_first_is_a_links_partner_for_good(further: Client) -> None:
+    """A later sender is obeyed, and hears nothing: what it gets goes to the first."""
+    with Vehicle("-q") as vehicle:
+        vehicle.wait_until_up()
+        vehicle.gcs.say_hello()
+        further.vehicle = vehicle.gcs.vehicle
+        further.codec.srcSystem = 99
+        further.command(512, 148)
+        vehicle.gcs.wait_for("AUTOPILOT_VERSION")
+        answer = vehicle.gcs.wait_for(
+            lambda m: m.get_type() == "COMMAND_ACK" and m.target_system == 99, "its answer"
+        )
+        assert answer.result == 0
+        vehicle.gcs.wait_for("HEARTBEAT")
+        assert not list(further.messages(0.0))
+
+
+def test_what_ground_stations_ask_each_other_is_forwarded_as_they_sent_it() -> None:
+    """HEARTBEAT, TIMESYNC and PING of a client appear on the other link, with its system id."""
+    with Vehicle("-q") as vehicle:
+        vehicle.wait_until_up()
+        for here, there in ((vehicle.gcs, vehicle.api), (vehicle.api, vehicle.gcs)):
+            here.say_hello(ONBOARD_CONTROLLER)
+            here.send(mavlink.MAVLink_timesync_message(0, 5))
+            here.send(mavlink.MAVLink_ping_message(1, 5, 0, 0))
+            for name in ("HEARTBEAT", "TIMESYNC", "PING"):
+                there.wait_for(
+                    lambda m, name=name: m.get_type() == name and m.get_srcSystem() == 42, name
+                )
+
+
 def test_a_port_in_use_is_refused_in_one_line() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as taken:
         taken.bind(("127.0.0.1", 0))

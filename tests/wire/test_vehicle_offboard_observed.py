@@ -16,6 +16,7 @@ from pymavlink.dialects.v20 import development as mavlink
 from tests.wire.lockstep_pilot import (
     FRAME_S,
     LOCAL_NED,
+    SET_MODE,
     SILENCE,
     STILL,
     Heard,
@@ -29,6 +30,7 @@ pytestmark = pytest.mark.flight
 NAN = math.nan
 OFFBOARD, POSCTL = 0x00060000, 0x00030000
 HOLD, RTL, LAND = 0x03040000, 0x05040000, 0x06040000
+HOME_AMSL_M = 489.4
 ACTIVE, CRITICAL = 4, 5
 READ_S = 0.02  # between two ATTITUDEs
 BEAT_S = 1.01
@@ -225,6 +227,48 @@ def test_without_sticks_position_mode_brakes_and_comes_down(pilot: LockstepPilot
     after = last(pilot.fly(5.0, SILENCE), "LOCAL_POSITION_NED")
     assert 0.6 * 0.85 <= (after.z - before.z) / 5.0 <= 0.7 * 1.15
     assert math.hypot(after.vx, after.vy) < 0.4
+
+
+REFUSED = {(3, 0): "Position", (2, 0): "Altitude", (1, 0): "Manual", (4, 4): "Mission"}
+
+
+@pytest.mark.parametrize("numbers", REFUSED, ids=REFUSED.get)
+def test_a_mode_that_cannot_be_flown_is_refused(
+    pilot: LockstepPilot, numbers: tuple[int, int]
+) -> None:
+    """Taken by the receiver, refused by the commander; nothing changes."""
+    pilot.gcs.command(SET_MODE, 1.0, *map(float, numbers))
+    heard = pilot.fly(BEAT_S + 2 * FRAME_S)
+    assert [ack.result for ack in named(heard, "COMMAND_ACK")] == [0, 1]
+    expected = f"Switching to {REFUSED[numbers]} is currently not available\t"
+    assert "".join(texts(heard)) == expected
+    assert {m.severity for m in named(heard, "STATUSTEXT")} == {2}
+    assert shown(heard) == {(OFFBOARD, 145, ACTIVE)}
+
+
+def test_a_return_says_how_high(pilot: LockstepPilot) -> None:
+    """From afar, at PX4's home in 491 m: "start return at 521 m (30 m above destination)"."""
+    pilot.fly(6.0, Setpoint((20.0, 0.0, 0.0)))
+    pilot.gcs.command(SET_MODE, 1.0, 4.0, 5.0)
+    heard = pilot.fly(BEAT_S + 2 * FRAME_S)
+    said = "".join(texts(heard))
+    height_m = int(said.removeprefix("RTL: start return at ").split()[0])
+    assert said == f"RTL: start return at {height_m} m (30 m above destination)\t"
+    assert height_m == pytest.approx(HOME_AMSL_M + 30.0, abs=1.5)  # home as it was estimated
+    beat = last(heard, "HEARTBEAT")
+    assert (beat.custom_mode, beat.base_mode, beat.system_status) == (RTL, 157, ACTIVE)
+
+
+def test_a_ground_station_may_be_lost(pilot: LockstepPilot) -> None:
+    """With NAV_DLL_ACT 0 it is said after 10 s, and nothing is done."""
+    pilot.says_hello = False
+    heard = pilot.fly(12.5)
+    assert texts(heard) == ["Connection to ground station lost\t"]
+    pilot.says_hello = True
+    heard += pilot.fly(BEAT_S + 2 * FRAME_S)
+    assert texts(heard)[1:] == ["GCS connection regained\t"]
+    assert {m.severity for m in named(heard, "STATUSTEXT")} == {6}
+    assert shown(heard) == {(OFFBOARD, 145, ACTIVE)}
 
 
 def choose(pilot: LockstepPilot, action: int) -> None:

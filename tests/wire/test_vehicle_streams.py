@@ -125,6 +125,18 @@ def test_only_mavlink_2_of_system_1_is_spoken(vehicle: Vehicle) -> None:
         assert message.get_srcSystem() == 1
 
 
+def test_what_is_asked_of_a_companion_unprompted(vehicle: Vehicle) -> None:
+    """TIMESYNC with boot time in ns and no answer yet; PING to everybody, counting up."""
+    messages = [m for m in collect(vehicle.api, 4.0) if m.get_srcComponent() == 1]
+    asked = [m for m in messages if m.get_type() == "TIMESYNC"]
+    assert {m.tc1 for m in asked} == {0}
+    now_ms = messages[-1].time_boot_ms
+    assert asked[-1].ts1 / 1e6 == pytest.approx(now_ms, abs=110.0)
+    pings = [m for m in messages if m.get_type() == "PING"]
+    assert {(m.target_system, m.target_component) for m in pings} == {(0, 0)}
+    assert {b.seq - a.seq for a, b in itertools.pairwise(pings)} == {1}
+
+
 def test_ground_truth_comes_at_the_rate_that_is_asked_for(vehicle: Vehicle) -> None:
     client = vehicle.api
     client.command(511, mavlink.MAVLINK_MSG_ID_HIL_STATE_QUATERNION, 20_000)
