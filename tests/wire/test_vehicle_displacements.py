@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import development as mavlink
 
-from tests.wire.lockstep_pilot import Heard, LockstepPilot, Setpoint, named
+from tests.wire.lockstep_pilot import LOCAL_NED, Heard, LockstepPilot, Setpoint, named
 from tests.wire.vehicle_process import Vehicle, is_acknowledgement
 
 pytestmark = pytest.mark.flight
@@ -33,6 +33,8 @@ MOVES = {  # velocity forward, right, down; m gone that way
 OPPOSITES = (("forward", "back"), ("right", "left"))
 ACROSS_M = 1.2
 LAP_S = 13.0  # at some 0.48 rad/s
+POSITION = 0xDF8  # position alone counts
+NEAR_M, ARRIVAL_S, OFF_M = 0.3, (2.8, 4.6), 0.48
 FASTEST_M_S = (9.6, 9.8)  # 6 s after 20 m/s was asked for; MPC_XY_VEL_MAX is 12
 
 
@@ -115,6 +117,25 @@ def body_velocity(truth: Any) -> tuple[float, float]:
     north, east = truth.vx / 100.0, truth.vy / 100.0
     cos, sin = math.cos(yaw), math.sin(yaw)
     return cos * north + sin * east, cos * east - sin * north
+
+
+def test_a_place_is_reached_in_time(pilot: LockstepPilot) -> None:
+    """PX4, 5 m away and 3 m up: within 0.3 m after 2.8 to 4.6 s, then off by 0.17 to 0.48 m."""
+    here = named(pilot.fly(3.0), "LOCAL_POSITION_NED")[-1]
+    there = (here.x + 5.0, here.y, here.z - 3.0)
+    asked = Setpoint(frame=LOCAL_NED, mask=POSITION, position=there)
+    begun_s = pilot.time_s
+    arrived = pilot.fly_until(
+        lambda m: m.get_type() == "LOCAL_POSITION_NED" and off_m(m, there) < NEAR_M, "place", asked
+    )
+    least, most = ARRIVAL_S
+    assert least * (1.0 - WIDER) <= arrived.time_s - begun_s <= most * (1.0 + WIDER)
+    after = named(pilot.fly(5.0, asked), "LOCAL_POSITION_NED")
+    assert statistics.mean(off_m(place, there) for place in after) <= OFF_M * (1.0 + WIDER)
+
+
+def off_m(place: Any, there: Vector3) -> float:
+    return math.dist((place.x, place.y, place.z), there)
 
 
 def test_more_speed_than_the_limit_ends_where_drag_and_limit_let_it(pilot: LockstepPilot) -> None:
