@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.clock import runs_on
+from flightstack.logs.clock import RunningClock
 from flightstack.logs.dialect import framing_tables
 from flightstack.logs.frames import MARGIN, TIMESTAMP, Frames, join
 from flightstack.logs.framing import (
@@ -107,16 +107,15 @@ def find_chained(
     None where the log has to be read whole: its chain of records is broken, or its clock jumps.
     """
     parts: list[Frames] = []
-    every_time: list[Positions] = []
+    clock = RunningClock()
     marks = np.empty(stretch_bytes + TIMESTAMP + 1, dtype=np.uint8)  # once, not a window
     edge = 0
     while edge < source.size:
         data = source.read(edge, edge + stretch_bytes)
         found = _in_window(data, msgids, marks, is_last=edge + stretch_bytes >= source.size)
-        if found is None:
+        if found is None or not clock.runs_on(found[1]):
             return None
-        frames, times, stop = found
+        frames, _, stop = found
         parts.append(replace(frames, offset=frames.offset + edge))
-        every_time.append(times)
         edge += stop
-    return join(parts) if every_time and runs_on(np.concatenate(every_time)) else None
+    return join(parts) if parts else None

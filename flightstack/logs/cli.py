@@ -7,6 +7,7 @@ import json
 import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,6 +15,10 @@ from flightstack.errors import FlightstackError
 
 DESCRIPTION = "Inspect MAVLink logs (tlogs). A bare path gives the summary."
 PROGRAM = "python -m flightstack.logs"
+# glibc keeps freed memory for the next window, rather than give it back page by page, up to twice
+# the largest block that it saw freed
+KEPT_BYTES = 16 << 20
+HELP_WIDTH = 78  # where no terminal says how wide it is
 
 
 def _add_summary(parser: argparse.ArgumentParser) -> None:
@@ -120,13 +125,32 @@ COMMANDS = {
 }
 
 
+@cache
+def _help_width() -> int:
+    try:
+        return int(os.environ.get("COLUMNS", "0")) or os.get_terminal_size(1).columns - 2
+    except (ValueError, OSError):  # no number, or no terminal
+        return HELP_WIDTH
+
+
+class _Formatter(argparse.HelpFormatter):
+    """Help as wide as the terminal, for which argparse would import shutil and ask per option."""
+
+    def __init__(self, prog: str) -> None:
+        super().__init__(prog, width=_help_width())
+
+
 def build_parser(names: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
     """Return the command line with these commands."""
-    parser = argparse.ArgumentParser(prog=PROGRAM, description=DESCRIPTION)
+    parser = argparse.ArgumentParser(
+        prog=PROGRAM, description=DESCRIPTION, formatter_class=_Formatter
+    )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, prog=PROGRAM)
     for name in names:
         command = COMMANDS[name]
-        options = commands.add_parser(name, help=command.about, description=command.about)
+        options = commands.add_parser(
+            name, help=command.about, description=command.about, formatter_class=_Formatter
+        )
         if command.takes_log:
             options.add_argument("log", type=Path, metavar="LOG")
         options.add_argument("--json", action="store_true", help="for programs")
@@ -160,7 +184,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Run one command and return its exit code."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy then starts in half the time
     module = _imported(f"flightstack.logs.commands.{arguments.command}")
-    with _imported("numpy").errstate(all="ignore"):  # logs hold NaN and worse
+    numpy = _imported("numpy")
+    numpy.empty(KEPT_BYTES, dtype="u1")  # freed at once
+    with numpy.errstate(all="ignore"):  # logs hold NaN and worse
         code: int = module.run(arguments)
     return code
 

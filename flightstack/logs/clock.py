@@ -77,15 +77,26 @@ def mend(times: Times) -> tuple[Times, int]:
     return _filled(np.where(lost, NO_TIME, filled)), int(lost.sum())
 
 
-def runs_on(times: Times) -> bool:
-    """Return whether `mend` would change none of these times, whichever of them it was given.
+class RunningClock:
+    """Tells of times, as they come, whether `mend` would change none, whichever it was given.
 
     So it is where none is far behind the latest before it: of the five around a time, two before
     it cannot be much later, and two after it not much earlier, so the median is near.
     """
-    behind = np.maximum.accumulate(times) - times
-    span_us = int(times.max()) - int(times.min())
-    return span_us < DAY_US and bool((behind <= SPIKE_US // 2).all())
+
+    def __init__(self) -> None:
+        self._earliest_us = np.iinfo(np.int64).max
+        self._latest_us = NO_TIME
+
+    def runs_on(self, times: Times) -> bool:
+        """Return whether the clock runs on through the next times, of which there is one."""
+        latest = np.maximum.accumulate(times)
+        np.maximum(latest, self._latest_us, out=latest)
+        self._earliest_us = min(self._earliest_us, int(times.min()))
+        self._latest_us = int(latest[-1])
+        latest -= times
+        is_near = int(latest.max()) <= SPIKE_US // 2
+        return is_near and self._latest_us - self._earliest_us < DAY_US
 
 
 def jumps(times: Times) -> list[ClockJump]:

@@ -38,11 +38,11 @@ def word_table() -> NDArray[np.uint16]:
 @cache
 def initial_part() -> NDArray[np.uint16]:
     """Return the state after n zero bytes from the initial state, for n up to LONGEST."""
-    states = np.empty(LONGEST + 1, dtype=np.uint16)
-    states[0] = INITIAL
-    for n in range(LONGEST):
-        states[n + 1] = (states[n] >> 8) ^ byte_table()[states[n] & 0xFF]
-    return states
+    table = byte_table().tolist()
+    states = [INITIAL]
+    for _ in range(LONGEST):
+        states.append((states[-1] >> 8) ^ table[states[-1] & 0xFF])
+    return np.array(states, dtype=np.uint16)
 
 
 def step(crc: NDArray[np.uint16], byte: NDArray[np.uint16]) -> NDArray[np.uint16]:

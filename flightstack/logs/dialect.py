@@ -33,7 +33,7 @@ class Field:
     length: int  # number of elements, 0 for a plain number
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class MessageType:
     """One message of the dialect."""
 
@@ -100,7 +100,7 @@ def message_id(name: str) -> int:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class FramingTables:
     """What framing must know of every id, for vectorised look-up."""
 

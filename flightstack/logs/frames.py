@@ -22,7 +22,7 @@ IS_SIGNED = 2
 IS_UNKNOWN = 4  # its id is not in the dialect
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Frames:
     """The index of a log, in file order; all arrays have one entry a frame."""
 

@@ -36,7 +36,7 @@ Bytes = NDArray[np.uint8]
 Positions = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Candidates:
     """Places where a header of a known message stands whole, in order of position."""
 

@@ -123,11 +123,12 @@ class Log:
 
         `types` may hold wildcards; times are microseconds since 1970, start inclusive, end not.
         """
-        if all(given is None for given in (types, system, component, start_us, end_us)):
+        ids = [] if types is None else self.matching_ids(types)
+        is_every_type = types is None or len(ids) == len(self.counts)
+        if is_every_type and all(given is None for given in (system, component, start_us, end_us)):
             return self
         keep = np.ones(len(self.frames), dtype=np.bool_)
-        ids = [] if types is None else self.matching_ids(types)
-        if types is not None and len(ids) < len(self.counts):
+        if not is_every_type:
             keep &= np.isin(self.frames.msgid, ids)
         if system is not None:
             keep &= self.frames.system == system

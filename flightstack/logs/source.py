@@ -58,7 +58,7 @@ class FileSource:
         return np.fromfile(self.path, dtype=np.uint8, count=count, offset=start)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class MemorySource:
     """A log in memory."""
 

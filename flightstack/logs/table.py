@@ -18,7 +18,7 @@ def decode_text(raw: bytes) -> str:
     return raw.split(b"\0", 1)[0].decode("ascii", errors="replace")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Table:
     """The messages of one type in file order; `table["roll"]` is one numpy array of them.
 

@@ -9,7 +9,7 @@ from pymavlink.dialects.v20 import all as mavlink
 
 from flightstack.logs import Log, read
 from flightstack.logs.chain import find_chained
-from flightstack.logs.clock import mend, runs_on
+from flightstack.logs.clock import RunningClock, mend
 from flightstack.logs.dialect import message_id
 from flightstack.logs.source import MemorySource
 from tests.unit.flightstack.logs.made_logs import (
@@ -115,8 +115,10 @@ def test_times_that_run_on_need_no_mending_whichever_are_left_out() -> None:
     kept = 0
     for start in range(0, 400, 20):
         some = times[start : start + 20]
-        if not runs_on(some):
+        if not RunningClock().runs_on(some):
             continue
+        pieces = RunningClock()
+        assert all(pieces.runs_on(piece) for piece in np.split(some, (1, 7, 12)))
         for _ in range(20):
             part = some[rng.random(20) < 0.6]
             assert mend(part)[0].tolist() == part.tolist()
