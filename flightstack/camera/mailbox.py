@@ -1,6 +1,5 @@
 """Hand the newest frame from the camera's thread to the loop: one slot, no queue."""
 
-import contextlib
 import socket
 import threading
 from dataclasses import dataclass
@@ -22,6 +21,7 @@ class Mailbox:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._slot: Arrival | None = None
+        self._is_closed = False
         self._bell_out, self._bell_in = socket.socketpair()
         for end in (self._bell_out, self._bell_in):
             end.settimeout(0.0)
@@ -33,11 +33,12 @@ class Mailbox:
     def put(self, arrival: Arrival) -> None:
         """Leave a frame, in place of any that lies there."""
         with self._lock:
+            if self._is_closed:  # while the camera was delivering
+                return
             rings = self._slot is None
             self._slot = arrival
             if rings:
-                with contextlib.suppress(OSError):  # closed while the camera was delivering
-                    self._bell_out.send(b"\0")
+                self._bell_out.send(b"\0")
 
     def take(self) -> Arrival | None:
         """Take the frame, if there is one; never waits."""
@@ -50,5 +51,6 @@ class Mailbox:
     def close(self) -> None:
         """Close the bell; frames that are put from now on go nowhere."""
         with self._lock:
+            self._is_closed = True
             self._bell_out.close()
             self._bell_in.close()

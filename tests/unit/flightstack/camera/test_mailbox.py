@@ -52,3 +52,4 @@ def test_a_frame_for_a_closed_box_goes_nowhere() -> None:
     mailbox = Mailbox()
     mailbox.close()
     mailbox.put(arrival(1))
+    assert mailbox.take() is None
