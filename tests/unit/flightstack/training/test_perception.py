@@ -84,8 +84,11 @@ HEALTHY = PerceptionMetrics(
 )
 
 
-def test_healthy_network_passes() -> None:
-    HEALTHY.require_healthy()
+@pytest.mark.parametrize("dead", [0, 5])  # of ten latents; with six it collapsed
+def test_healthy_network_passes(dead: int) -> None:
+    metrics = dataclasses.replace(HEALTHY, activity=(1.0,) * (10 - dead) + (0.002,) * dead)
+    metrics.require_healthy()
+    assert metrics.active_units == 10 - dead
 
 
 def test_collapse_of_the_posterior_is_a_clear_error() -> None:

@@ -274,4 +274,6 @@ def test_no_payload_of_any_content_raises(client: Client, payload: bytes) -> Non
         0, 1, 1, list(payload.ljust(251, b"\0"))
     )
     client.server.answer(message, make_request(client.outlet))
-    client.outlet.take()
+    replies = [Reply(sent) for sent in client.outlet.take()]
+    assert all(reply.opcode in (ACK, NAK) for reply in replies)
+    assert client.ask(RESET).opcode == ACK  # and goes on answering
