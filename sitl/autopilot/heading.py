@@ -9,6 +9,7 @@ from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.trajectory import TICK_S
 from sitl.frames import wrap_pi
 
+YAW_ERROR_RAD = math.radians(12.0)  # PX4 MIS_YAW_ERR: nearer than this it faces as asked
 STEP_RAD = math.radians(5.0)  # assumption: a stream that moves less from one to the next is smooth
 BRAKING_SHARE = 0.7  # of the greatest acceleration, planned for coming to rest
 ARRIVAL_GAIN = 2.0  # 1/s, rate per heading left in the last degrees

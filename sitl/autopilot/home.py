@@ -1,7 +1,11 @@
-"""Keep the home position: where the vehicle stood when it was armed, or where a command put it."""
+"""Keep the home position: where the vehicle stood when it was armed, or where a command put it.
+
+The heading that it stood in is kept beside the place: a return ends in it.
+"""
 
 import math
 
+from sitl.frames import yaw_of
 from sitl.records import Estimate, Vector3
 
 ORIGIN: Vector3 = (0.0, 0.0, 0.0)
@@ -13,6 +17,7 @@ class Home:
 
     def __init__(self) -> None:
         self.known_ned: Vector3 | None = None
+        self.yaw_rad = math.nan
 
     @property
     def position_ned(self) -> Vector3:
@@ -23,8 +28,10 @@ class Home:
         """Take a requested place (NaN: here), or the present one where it is time to."""
         if request is not None:
             self.known_ned = estimate.position_ned if math.isnan(request[0]) else request
+            self.yaw_rad = yaw_of(estimate.q_ned_frd)
         elif estimate.position_valid and (self.known_ned is None or just_armed):
             self.known_ned = estimate.position_ned
+            self.yaw_rad = yaw_of(estimate.q_ned_frd)
 
     def is_clear_of_ground(self, estimate: Estimate) -> bool:
         """Whether the vehicle is well above home."""

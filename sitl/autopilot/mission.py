@@ -14,6 +14,7 @@ from math import isnan
 from typing import NamedTuple
 
 from sitl.autopilot import mission_plan
+from sitl.autopilot.heading import YAW_ERROR_RAD
 from sitl.autopilot.parameters import Parameters
 from sitl.clock import SECOND_US
 from sitl.frames import ned_from_geodetic, wrap_pi, yaw_of
@@ -23,7 +24,6 @@ from sitl.records import Estimate, Vector3
 NAN = math.nan
 ORIGIN: Vector3 = (0.0, 0.0, 0.0)
 NOWHERE: Vector3 = (NAN, NAN, NAN)
-YAW_ERROR_RAD = math.radians(12.0)  # PX4 MIS_YAW_ERR
 MAX_DEEDS = 2000  # jumps and the like in a row, before a mission counts as finished
 JUMPS_MAX = 0xFFFF
 

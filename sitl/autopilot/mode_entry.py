@@ -41,6 +41,7 @@ class ModeEntry:
             goal = self._takeoff_goal(goal, estimate)
         if mode is Mode.RTL:
             home = missions.destination(estimate.position_ned, home)
+            goal = goal._replace(yaw_rad=self._home.yaw_rad)
         if mode is Mode.MISSION and commander.armed:
             missions.flight.start(estimate, home, landed=commander.landed)
         self._navigator.enter(mode, goal, home, estimate, motion)

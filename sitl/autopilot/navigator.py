@@ -82,7 +82,7 @@ class Navigator:
         self._leg, self._speed = Leg(), goal.speed_m_s
         self._heading.start(yaw_of(estimate.q_ned_frd))
         if mode is Mode.RTL:
-            self._return_home.start(estimate.position_ned, home_ned)
+            self._return_home.start(estimate.position_ned, home_ned, goal.yaw_rad)
 
     def change_speed(self, speed_m_s: float) -> None:
         """Fly faster or slower from now on, horizontally; nothing positive: as usual."""
@@ -168,7 +168,9 @@ class Navigator:
         mode, position = self._mode, estimate.position_ned
         stop: Vector3 = (NAN, NAN, NAN)
         if mode is Mode.RTL:
-            phase, target = self._return_home.update(estimate.time_us, position)
+            yaw = yaw_of(estimate.q_ned_frd)
+            phase, target = self._return_home.update(estimate.time_us, position, yaw)
+            self._goal = self._goal._replace(yaw_rad=self._return_home.yaw_rad)
             return target, self._landing_speed(position) if phase is Phase.LAND else NAN
         if mode is Mode.MISSION:
             leg = self._leg = self._mission.update(estimate)

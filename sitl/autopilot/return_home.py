@@ -1,13 +1,18 @@
 """The way home: climb, fly back, descend, land.
 
 CLIMB --height reached--> RETURN --over home--> DESCEND --RTL_DESCEND_ALT--> WAIT --delay--> LAND
+
+The vehicle faces the way home, and as it stood there from the descent on. One that begins near
+home turns so at once, and waits for it.
 """
 
 import math
 from enum import Enum
 
+from sitl.autopilot.heading import YAW_ERROR_RAD
 from sitl.autopilot.parameters import Parameters
 from sitl.clock import SECOND_US
+from sitl.frames import wrap_pi
 from sitl.records import Vector3
 
 NAN = math.nan
@@ -30,6 +35,8 @@ class ReturnHome:
         self.height_m = 0.0  # above home
         self._phase = Phase.CLIMB
         self._home_ned: Vector3 = (0.0, 0.0, 0.0)
+        self._home_yaw_rad = NAN
+        self._begins_near = False
         self._waiting_since_us = 0
         self.load(parameters)
 
@@ -42,14 +49,22 @@ class ReturnHome:
         self._radius, self._altitude_radius = p["NAV_ACC_RAD"], p["NAV_MC_ALT_RAD"]
         self._delay_s = p["RTL_LAND_DELAY"]
 
-    def start(self, position_ned: Vector3, home_ned: Vector3) -> None:
-        """Begin at a place."""
-        self._home_ned = home_ned
+    def start(self, position_ned: Vector3, home_ned: Vector3, home_yaw_rad: float = NAN) -> None:
+        """Begin at a place; the heading to end in may be NaN: any."""
+        self._home_ned, self._home_yaw_rad = home_ned, home_yaw_rad
         distance = math.hypot(position_ned[0] - home_ned[0], position_ned[1] - home_ned[1])
+        self._begins_near = distance < self._near
         self.height_m = self._height(distance, home_ned[2] - position_ned[2])
         self._phase = Phase.CLIMB
 
-    def update(self, time_us: int, position_ned: Vector3) -> tuple[Phase, Vector3]:
+    @property
+    def yaw_rad(self) -> float:
+        """The heading to turn to; NaN: the way of flying."""
+        if self._phase is Phase.CLIMB or (self._phase is Phase.RETURN and not self._begins_near):
+            return NAN
+        return self._home_yaw_rad
+
+    def update(self, time_us: int, position_ned: Vector3, yaw_rad: float) -> tuple[Phase, Vector3]:
         """Give the phase and its target; NaN: come to a stop."""
         home_x, home_y, home_z = self._home_ned
         distance = math.hypot(position_ned[0] - home_x, position_ned[1] - home_y)
@@ -57,7 +72,7 @@ class ReturnHome:
         low = min(self.height_m, self._descend_height)
         if self._phase is Phase.CLIMB and abs(height - self.height_m) < self._altitude_radius:
             self._phase = Phase.RETURN
-        elif self._phase is Phase.RETURN and distance < self._radius:
+        elif self._phase is Phase.RETURN and distance < self._radius and self._faces(yaw_rad):
             self._phase = Phase.DESCEND
         elif self._phase is Phase.DESCEND and height - low < self._altitude_radius:
             self._phase, self._waiting_since_us = Phase.WAIT, time_us
@@ -68,6 +83,11 @@ class ReturnHome:
         if self._phase is Phase.RETURN:
             return self._phase, (home_x, home_y, home_z - self.height_m)
         return self._phase, (home_x, home_y, home_z - low)
+
+    def _faces(self, yaw_rad: float) -> bool:
+        """Whether the heading is the one to turn to, if there is one."""
+        wanted = self.yaw_rad
+        return math.isnan(wanted) or abs(wrap_pi(wanted - yaw_rad)) <= YAW_ERROR_RAD
 
     def _waited(self, time_us: int) -> bool:
         return 0.0 <= self._delay_s <= (time_us - self._waiting_since_us) / SECOND_US

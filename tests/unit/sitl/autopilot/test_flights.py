@@ -4,10 +4,12 @@ import math
 
 import pytest
 
+from sitl.frames import yaw_of
 from sitl.modes import Mode
 
 NAN = math.nan
 ARM, TAKEOFF, LAND, RTL, REPOSITION = 400, 22, 21, 20, 192
+NORTH_DEG, LONGITUDE_DEG = 47.397742 + 15.0 / 111_195.0, 8.545594  # 15 m north of home
 ON_GROUND, IN_AIR, TAKING_OFF, LANDING = 1, 2, 3, 4
 ZERO = (0.0, 0.0, 0.0)
 
@@ -143,6 +145,34 @@ def test_return_from_above_home_lands_without_climbing(flight):
         flight.step()
         highest = max(highest, flight.height_m)
     assert highest < 2.7
+
+
+def test_return_near_home_turns_before_it_descends(flight):
+    """PX4 lands in the heading in which it stood at home."""
+    flight.take_off(6.0)
+    flight.command(REPOSITION, -1.0, 1.0, NAN, -math.pi / 2, NAN, NAN, NAN)
+    flight.run(8.0)
+    assert yaw(flight) == pytest.approx(-math.pi / 2, abs=0.1)
+    flight.command(RTL)
+    flight.run_until(lambda: abs(yaw(flight)) < math.radians(13.0), timeout_s=8.0)
+    assert flight.height_m == pytest.approx(6.0, abs=0.3)
+    flight.run_until(lambda: flight.height_m < 3.0, timeout_s=10.0)
+    assert yaw(flight) == pytest.approx(0.0, abs=0.05)
+
+
+def test_return_from_afar_turns_while_it_descends(flight):
+    flight.take_off(6.0)
+    flight.command(REPOSITION, -1.0, 1.0, NAN, math.pi / 2, NORTH_DEG, LONGITUDE_DEG, 495.4)
+    flight.run_until(lambda: flight.estimate.position_ned[0] > 14.0, timeout_s=15.0)
+    flight.command(RTL)
+    flight.run_until(lambda: abs(flight.estimate.position_ned[0]) < 2.0, timeout_s=60.0)
+    assert abs(yaw(flight)) == pytest.approx(math.pi, abs=0.1)  # the way home
+    flight.run_until(lambda: flight.height_m < 10.0, timeout_s=30.0)
+    assert yaw(flight) == pytest.approx(0.0, abs=0.1)
+
+
+def yaw(flight):
+    return yaw_of(flight.estimate.q_ned_frd)
 
 
 def test_offboard_take_off_and_landing_by_velocity(flight):

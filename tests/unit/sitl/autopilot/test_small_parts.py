@@ -125,9 +125,18 @@ def test_return_waits_above_home_as_long_as_it_is_told(parameters):
     parameters.set("RTL_LAND_DELAY", 5.0)
     way = ReturnHome(parameters)
     way.start((0.0, 0.0, -5.0), ZERO)
-    phases = [way.update(round(1e6 * second), (0.0, 0.0, -5.0))[0] for second in range(10)]
+    phases = [way.update(round(1e6 * second), (0.0, 0.0, -5.0), 0.0)[0] for second in range(10)]
     assert phases[:3] == [Phase.RETURN, Phase.DESCEND, Phase.WAIT]
     assert phases[6:8] == [Phase.WAIT, Phase.LAND]
+
+
+def test_return_from_near_home_waits_for_the_heading_at_home(parameters):
+    way = ReturnHome(parameters)
+    way.start((3.0, 0.0, -6.0), ZERO, home_yaw_rad=math.pi)
+    turning = [math.radians(angle) for angle in (-90.0, -100.0, -167.0, -169.0, -179.0)]
+    phases = [way.update(0, (0.0, 0.0, -6.0), yaw)[0] for yaw in turning]
+    assert phases == [*[Phase.RETURN] * 3, Phase.DESCEND, Phase.WAIT]
+    assert way.yaw_rad == math.pi
 
 
 def test_a_bad_setpoint_leaves_the_last_good_one_for_200_ms(parameters):
