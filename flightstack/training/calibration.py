@@ -2,6 +2,7 @@
 
 One factor a velocity on the predicted (aleatoric) variance, fitted on validation data, and only
 where the mixture's interval covers too little or too much. The spread of the means stays as it is.
+What is left alone lies well within the 85 to 95 % that are aimed at on other tracks.
 
 Reference: Levi et al. 2022, "Evaluating and calibrating uncertainty prediction in regression":
 scaling the predicted deviation.
@@ -15,7 +16,7 @@ from scipy.special import ndtr
 from flightstack.records import VELOCITIES
 
 INTERVAL = 0.90  # central
-GOOD_COVERAGE = (0.85, 0.95)  # of it; left alone
+GOOD_COVERAGE = (0.88, 0.92)  # of it; left alone
 MOST_LOG_FACTOR = np.log(1000.0)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from flightstack.models import ModelConfig
 from flightstack.perception.labels import LABELS
 from flightstack.records import VELOCITIES
+from flightstack.training.calibration import GOOD_COVERAGE
 from flightstack.training.catalogue import ModelPlan
 from flightstack.training.perception_metrics import BAND_M
 
@@ -59,25 +60,31 @@ validation data, not on other scenes.
 
 {metrics["perception"]["active_units"]} of {config.perception.latent_dims} latent units are active.
 
-## Policy, validation images
+## Policy, validation flights
 
-{_policy_table(metrics["policy"])}
+{_policy_table(metrics["policy"], probabilistic=config.policy.probabilistic)}
 
-RMSE is of the mean of all predictions; NLL and coverage are of their mixture, over 32 latent
-samples an image.
+Over {metrics["policy"]["images"]} images, as the model flies. RMSE is of the mean of all
+predictions; NLL and coverage are of their mixture.
 
 {_recalibration(config)}
 """
 
 
 def _recalibration(config: ModelConfig) -> str:
+    if not config.policy.probabilistic:
+        return (
+            "A deterministic policy predicts no variance: its interval is the spread of the\n"
+            "latent samples alone, and there is nothing to recalibrate."
+        )
     pairs = zip(VELOCITIES, config.policy.variance_factor, strict=True)
     scaled = [f"{name} x {factor:.2f}" for name, factor in pairs if factor != 1.0]
     if not scaled:
         return "Predicted variances are as they were learned: none needed recalibration."
+    low, high = GOOD_COVERAGE
     return (
         f"Predicted variances are recalibrated on the same images: {', '.join(scaled)}.\n"
-        "As learned, their 90 % intervals covered less than 85 % or more than 95 %."
+        f"As learned, their 90 % intervals covered less than {low:.0%} or more than {high:.0%}."
     )
 
 
@@ -116,13 +123,14 @@ def _perception_table(metrics: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _policy_table(metrics: dict[str, Any]) -> str:
+def _policy_table(metrics: dict[str, Any], *, probabilistic: bool) -> str:
     lines = [
         "| velocity | RMSE | of a constant | NLL | 90 % interval covers |",
         "|---|---|---|---|---|",
     ]
     for k, name in enumerate(VELOCITIES):
         rmse, constant = metrics["rmse"][k], metrics["constant_rmse"][k]
-        nll, coverage = metrics["nll"][k], metrics["coverage"][k]
-        lines.append(f"| {name} | {rmse:.3f} | {constant:.3f} | {nll:.2f} | {coverage:.0%} |")
+        nll = f"{metrics['nll'][k]:.2f}" if probabilistic else "none"
+        coverage = metrics["coverage"][k]
+        lines.append(f"| {name} | {rmse:.3f} | {constant:.3f} | {nll} | {coverage:.0%} |")
     return "\n".join(lines)

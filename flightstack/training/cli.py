@@ -51,6 +51,9 @@ def _add_all(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, default=Path("models"), help="model folders")
     parser.add_argument("--runs", type=Path, default=Path("runs"), help="checkpoints, pictures")
     _add_seed(parser)
+    parser.add_argument(
+        "--data-seed", type=int, help="of the data alone: other trainings on the same data"
+    )
     parser.add_argument("--only", nargs="+", default=[], metavar="MODEL", help="for example m0 m4")
 
 
@@ -100,7 +103,10 @@ def _add_policy(parser: argparse.ArgumentParser) -> None:
 
 def _add_calibrate(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", help="for example strong/m0")
-    parser.add_argument("--data", type=Path, required=True, help="folder of control data")
+    parser.add_argument(
+        "--images", type=int, default=6000, help="of flights over validation tracks (default: 6000)"
+    )
+    parser.add_argument("--data", type=Path, help="instead: the validation images of control data")
     _add_seed(parser)
 
 

@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import torch
 
+from flightstack import models
+from flightstack.errors import UsageError
 from flightstack.training.data import generate_control, generate_perception
 from flightstack.training.dataset import join, read_dataset
 from flightstack.training.everything import Plan, train_all
@@ -13,7 +15,7 @@ from flightstack.training.perception import train_perception
 from flightstack.training.piloting import Piloting
 from flightstack.training.policy import train_policy
 from flightstack.training.presets import perception_settings, policy_settings
-from flightstack.training.recalibrate import recalibrate
+from flightstack.training.recalibrate import Labelled, recalibrate
 from flightstack.training.recipe import Recipe
 from flightstack.training.runs import read_run
 
@@ -23,6 +25,8 @@ THREADS = 1  # one compute thread a process: two processes beat two threads
 def run(options: argparse.Namespace) -> None:
     """Run the command that was parsed."""
     torch.set_num_threads(THREADS)
+    if getattr(options, "device", "cpu") == "cuda" and not torch.cuda.is_available():
+        raise UsageError("--device cuda: torch finds no CUDA device here; leave the option out")
     commands = {
         "all": _all,
         "data": _data,
@@ -39,6 +43,7 @@ def _all(options: argparse.Namespace) -> None:
             recipe=options.recipe,
             preset=options.preset,
             seed=options.seed,
+            data_seed=options.seed if options.data_seed is None else options.data_seed,
             device=options.device,
             data=options.data,
             runs=options.runs,
@@ -87,4 +92,9 @@ def _policy(options: argparse.Namespace) -> None:
 
 
 def _calibrate(options: argparse.Namespace) -> None:
-    recalibrate(options.model, read_dataset(options.data), seed=options.seed)
+    if options.data is not None:
+        validation = Labelled.held_out(read_dataset(options.data))
+    else:
+        recipe = models.read_config(models.find(options.model) / models.CONFIG_FILE).recipe
+        validation = Labelled.flown(recipe, images=options.images, seed=options.seed)
+    recalibrate(options.model, validation, seed=options.seed)

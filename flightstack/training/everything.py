@@ -13,7 +13,13 @@ from flightstack.training.data import describe, generate_control, generate_perce
 from flightstack.training.dataset import Dataset, read_dataset, refuse_other
 from flightstack.training.perception import train_perception
 from flightstack.training.policy import train_policy
-from flightstack.training.presets import IMAGES, perception_settings, policy_settings
+from flightstack.training.presets import (
+    CALIBRATION_IMAGES,
+    IMAGES,
+    perception_settings,
+    policy_settings,
+)
+from flightstack.training.recalibrate import Labelled, recalibrate
 from flightstack.training.recipe import Recipe
 from flightstack.training.runs import perception_folder, policy_folder, read_run
 
@@ -27,6 +33,7 @@ class Plan:
     recipe: str
     preset: str
     seed: int
+    data_seed: int
     device: str
     data: Path
     runs: Path
@@ -63,16 +70,20 @@ def train_all(plan: Plan) -> None:
     processes = Parallel(n_jobs=PROCESSES if plan.device == "cpu" else 1)
     processes(delayed(train_encoder)(plan, encoder) for encoder in encoders)
     processes(delayed(train_stack)(plan, *stack) for stack in stacks)
+    images = CALIBRATION_IMAGES[plan.preset]
+    validation = Labelled.flown(plan.recipe, images=images, seed=plan.data_seed)
     for name, model in catalogue.items():
+        folder = plan.models / plan.recipe / name
         write_model(
-            plan.models / plan.recipe / name,
+            folder,
             model,
             read_run(perception_folder(plan.run_folder, model.encoder, plan.seed)),
             read_run(policy_folder(plan.run_folder, model.encoder, model.policy, plan.seed)),
             recipe=plan.recipe,
             preset=plan.preset,
         )
-        print(f"wrote {plan.models / plan.recipe / name}")
+        recalibrate(str(folder), validation, seed=plan.seed)
+        print(f"wrote {folder}")
 
 
 def make_data(plan: Plan) -> None:
@@ -82,8 +93,8 @@ def make_data(plan: Plan) -> None:
     for kind, make in makers.items():
         folder, images = plan.data / plan.recipe / kind, IMAGES[plan.preset][kind]
         if not (folder / "manifest.json").exists():
-            make(folder, recipe, images=images, seed=plan.seed)
-        refuse_other(folder, describe(kind, recipe, plan.seed), {})
+            make(folder, recipe, images=images, seed=plan.data_seed)
+        refuse_other(folder, describe(kind, recipe, plan.data_seed), {})
         if (count := read_dataset(folder).manifest["count"]) != images:
             raise UsageError(
                 f"{folder} holds {count} images, not {images}: choose another --data, or remove it"

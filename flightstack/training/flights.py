@@ -22,6 +22,7 @@ from sitl.vehicle_records import OffboardSetpoint
 from sitl.world.track import GATE_HEIGHT_M, GATES_PER_LAP
 
 LABEL_NAMES = ("vx", "vy", "vz", "yaw_rate")
+MEASURED_EVERY = 10  # frames: half a second apart, so that few images tell of many tracks
 START_SPEED_M_S = (0.0, 2.0)  # of a flight that starts before a gate
 Pilot = Callable[[NDArray[np.uint8]], NDArray[np.float64]]
 
@@ -32,10 +33,12 @@ def fly(
     *,
     tracks: range = TRAINING_TRACKS,
     pilot: Pilot | None = None,
+    every: int = 1,
 ) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     """Fly once; images (K, 64, 64, 3) and the expert's commands (K, 4) along the way.
 
-    With a `pilot` the vehicle follows it instead, and the expert only labels (DAgger).
+    With a `pilot` the vehicle follows it instead, and the expert only labels (DAgger). Without one,
+    only `every` so many frames are rendered and kept; a pilot sees them all.
     """
     at_spawn = bool(rng.random() < recipe.start_at_spawn_share)
     simulation = Simulation(
@@ -52,9 +55,22 @@ def fly(
     )
     try:
         _take_off(simulation, rng, recipe, at_spawn=at_spawn)
-        return _record(simulation, rng, recipe, pilot)
+        return _record(simulation, rng, recipe, pilot, 1 if pilot else every)
     finally:
         simulation.close()
+
+
+def fly_until(
+    rng: np.random.Generator, recipe: FlightRecipe, *, tracks: range, images: int
+) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    """Fly what models are measured on: images (K, 64, 64, 3) and the expert's commands (K, 4)."""
+    flown, commands, count = [], [], 0
+    while count < images:
+        one, labels = fly(rng, recipe, tracks=tracks, every=MEASURED_EVERY)
+        flown.append(one)
+        commands.append(labels)
+        count += len(one)
+    return np.concatenate(flown)[:images], np.concatenate(commands)[:images]
 
 
 def draw_radius_noise_m(rng: np.random.Generator, recipe: FlightRecipe) -> float:
@@ -69,6 +85,7 @@ def _record(
     rng: np.random.Generator,
     recipe: FlightRecipe,
     pilot: Pilot | None,
+    every: int,
 ) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     gates = simulation.course_gates
     expert = _make_expert(recipe.expert)
@@ -76,24 +93,23 @@ def _record(
     images: list[NDArray[np.uint8]] = []
     labels: list[NDArray[np.float64]] = []
     simulation.frame_due()
-    while len(images) < recipe.frames and simulation.course.state is CourseState.ACTIVE:
-        image = simulation.render().rgb
+    while len(labels) < recipe.frames and simulation.course.state is CourseState.ACTIVE:
+        if len(labels) % every == 0:
+            images.append(simulation.render().rgb)
         due = simulation.course.gates_passed
         gate, following = gates[due % len(gates)], gates[(due + 1) % len(gates)]
         label = expert.command(simulation.state, gate, following)
-        images.append(image)
         labels.append(label)
-        _command(simulation, label + noise.draw() if pilot is None else pilot(image))
+        _command(simulation, label + noise.draw() if pilot is None else pilot(images[-1]))
         while True:
             simulation.step()
             if simulation.frame_due():
                 break
     if simulation.course.state is CourseState.FAILED:
-        images, labels = images[: -recipe.lost_frames], labels[: -recipe.lost_frames]
-    shape = (len(images), 64, 64, 3)
-    return np.array(images, dtype=np.uint8).reshape(shape), np.array(
-        labels, dtype=np.float32
-    ).reshape(-1, len(LABEL_NAMES))
+        labels = labels[: -recipe.lost_frames]
+    seen = np.array(labels[::every], dtype=np.float32).reshape(-1, len(LABEL_NAMES))
+    shape = (len(seen), 64, 64, 3)
+    return np.array(images[: len(seen)], dtype=np.uint8).reshape(shape), seen
 
 
 def _take_off(

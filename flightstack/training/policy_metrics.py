@@ -18,7 +18,7 @@ class PolicyMetrics:
 
     images: int
     rmse: tuple[float, ...]  # m/s, rad/s, of the pool's mean
-    constant_rmse: tuple[float, ...]  # of the training labels' mean
+    constant_rmse: tuple[float, ...]  # of the labels' mean
     nll: tuple[float, ...]  # nats, of the mixture
     coverage: tuple[float, ...]  # share of labels inside the mixture's central 90 % interval
     aleatoric_std: tuple[float, ...]  # root mean square over images, as the next two

@@ -48,6 +48,7 @@ IMAGES = {  # of each dataset; `full` is the paper's
     "full": {"perception": 300_000, "control": 17_000},
 }
 PERCEPTION_EPOCHS = {"quick": 16, "full": 10}  # 1.3 and 2.4 million views
+CALIBRATION_IMAGES = {"quick": 2000, "full": 6000}
 POLICY_EPOCHS = {"quick": 60, "full": 60}
 ENSEMBLE_MEMBERS = 5  # paper
 MCD_DROPOUT = 0.2

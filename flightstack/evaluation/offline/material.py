@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.evaluation.offline.scenes import SPOILS, render_scene
-from flightstack.training.flights import fly
+from flightstack.training.flights import fly_until
 from flightstack.training.gate_views import ViewRenderer
 from flightstack.training.recipe import Recipe
 from flightstack.training.seeds import TEST_TRACKS
@@ -32,12 +32,7 @@ def make_material(recipe: str, *, images: int, scenes: int, seed: int) -> Materi
     """
     made = Recipe.load(recipe)
     rng = np.random.default_rng([seed, FLIGHTS])
-    flown, commands, count = [], [], 0
-    while count < images:
-        one, labels = fly(rng, made.flights, tracks=TEST_TRACKS)
-        flown.append(one)
-        commands.append(labels)
-        count += len(one)
+    flown, commands = fly_until(rng, made.flights, tracks=TEST_TRACKS, images=images)
     rng = np.random.default_rng([seed, VIEWS])
     renderer = ViewRenderer(made.views)
     try:
@@ -45,8 +40,8 @@ def make_material(recipe: str, *, images: int, scenes: int, seed: int) -> Materi
     finally:
         renderer.close()
     return Material(
-        flights=np.concatenate(flown)[:images],
-        commands=np.concatenate(commands)[:images].astype(np.float64),
+        flights=flown,
+        commands=commands.astype(np.float64),
         views=np.stack([image for image, _ in views]),
         poses=np.stack([pose for _, pose in views]).astype(np.float64),
         scenes={kind: render_scene(kind, scenes, seed=seed) for kind in SPOILS},

@@ -1,3 +1,4 @@
+import dataclasses
 import json
 from pathlib import Path
 
@@ -9,14 +10,17 @@ from flightstack import models
 from flightstack.companion.pipeline import load_pipeline
 from flightstack.errors import UsageError
 from flightstack.perception.dronet import Dronet
+from flightstack.policy.config import PolicyConfig
 from flightstack.records import Frame
 from flightstack.training.assemble import write_model
+from flightstack.training.card import model_card
 from flightstack.training.catalogue import read_catalogue
 from flightstack.training.dataset import Dataset
 from flightstack.training.perception import PerceptionRun
 from flightstack.training.policy import train_policy
+from flightstack.training.policy_metrics import PolicyMetrics
 from flightstack.training.presets import PolicySettings
-from flightstack.training.recalibrate import recalibrate
+from flightstack.training.recalibrate import Labelled, measure, recalibrate
 from flightstack.training.runs import read_run
 
 
@@ -84,7 +88,7 @@ def test_card_tells_seed_data_and_figures(folder: Path) -> None:
 
 def test_recalibration_keeps_the_weights_and_flies(folder: Path, control_data: Dataset) -> None:
     before = models.read_config(folder / models.CONFIG_FILE)
-    recalibrate(str(folder), control_data, seed=0, report=lambda _: None)
+    recalibrate(str(folder), Labelled.held_out(control_data), seed=0, report=lambda _: None)
     after = models.read_config(folder / models.CONFIG_FILE)
     assert after.weights_sha256 == before.weights_sha256
     assert all(0 <= member < 5 for member in after.policy.best_member)
@@ -93,6 +97,40 @@ def test_recalibration_keeps_the_weights_and_flies(folder: Path, control_data: D
     frame = Frame(stamp_us=0, sequence=0, rgb=control_data.images[:1][0])
     decision = load_pipeline(str(folder), "best/mean/same").decide(frame)
     assert tuple(decision.member) == after.policy.best_member
+
+
+def test_a_model_is_measured_as_it_flies(folder: Path, control_data: Dataset) -> None:
+    """With fewer latent samples its mean is worse; with none drawn there is no spread of them."""
+    model, validation = models.load(str(folder)), Labelled.held_out(control_data)
+
+    def metrics(**perception: object) -> PolicyMetrics:
+        changed = dataclasses.replace(model.config.perception, **perception)
+        config = dataclasses.replace(model.config, perception=changed)
+        return measure(dataclasses.replace(model, config=config), validation, seed=0)
+
+    many, one = metrics(), metrics(samples=1)
+    assert sum(one.rmse) > sum(many.rmse)
+    assert min(many.latent_std) > 0.0
+    assert one.latent_std == metrics(sampling="mean", samples=1).latent_std == (0.0,) * 4
+
+
+def test_validation_flights_are_a_function_of_their_seed() -> None:
+    first, again = (Labelled.flown("strong", images=4, seed=3) for _ in range(2))
+    assert np.array_equal(first.images, again.images)
+    assert np.array_equal(first.commands, again.commands)
+    other = Labelled.flown("strong", images=4, seed=4)
+    assert not np.array_equal(first.images, other.images)
+
+
+def test_a_deterministic_policy_claims_no_density(folder: Path) -> None:
+    config = models.read_config(folder / models.CONFIG_FILE)
+    config = dataclasses.replace(
+        config, policy=PolicyConfig(members=1, probabilistic=False, variance_factor=(1.0,) * 4)
+    )
+    metrics = json.loads((folder / "metrics.json").read_text())
+    card = model_card(config, read_catalogue()["m3"], metrics)
+    assert card.count("| none |") == 4
+    assert "nothing to recalibrate" in card
 
 
 def test_metrics_stand_beside_the_weights(folder: Path, perception_run: PerceptionRun) -> None:

@@ -3,6 +3,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import torch
 
 from flightstack.training.cli import main
 
@@ -32,6 +33,17 @@ def test_unknown_recipe_is_one_line_and_exit_code_2(
 ) -> None:
     assert main(["all", "--recipe", "cake", "--data", str(tmp_path)]) == 2
     assert "known are: paper, strong" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(torch.cuda.is_available(), reason="there is a CUDA device")
+def test_cuda_without_a_device_is_one_line_before_any_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["all", "--device", "cuda", "--data", str(tmp_path / "data")]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "torch finds no CUDA device here" in error
+    assert not (tmp_path / "data").exists()
 
 
 def test_unknown_model_is_one_line_before_any_work(

@@ -6,7 +6,7 @@ import pytest
 
 from flightstack.errors import UsageError
 from flightstack.training import data, dataset
-from flightstack.training.flights import draw_radius_noise_m, fly
+from flightstack.training.flights import draw_radius_noise_m, fly, fly_until
 from flightstack.training.piloting import Piloting
 from flightstack.training.recipe import Recipe
 from flightstack.training.seeds import TEST_TRACKS, TRAINING_TRACKS, VALIDATION_TRACKS
@@ -23,6 +23,23 @@ def test_a_flight_is_a_function_of_its_generator(flight):
     images, labels = fly(np.random.default_rng(1), SHORT)
     assert np.array_equal(images, flight[0])
     assert np.array_equal(labels, flight[1])
+
+
+def test_fewer_frames_of_a_flight_are_those_of_the_whole(flight):
+    images, labels = fly(np.random.default_rng(1), SHORT, every=7)
+    assert np.array_equal(images, flight[0][::7])
+    assert np.array_equal(labels, flight[1][::7])
+
+
+def test_what_is_measured_on_comes_from_many_flights():
+    images, labels = fly_until(np.random.default_rng(1), SHORT, tracks=VALIDATION_TRACKS, images=7)
+    assert images.shape == (7, 64, 64, 3)
+    assert labels.shape == (7, 4)
+    first, commands = fly(np.random.default_rng(1), SHORT, tracks=VALIDATION_TRACKS, every=10)
+    assert len(first) == 3  # of 30 frames: the other images are of other flights
+    assert np.array_equal(images[:3], first)
+    assert np.array_equal(labels[:3], commands)
+    assert np.abs(images[3].astype(int) - images[0]).mean() > 1.0
 
 
 def test_frames_move_and_commands_lead_ahead(flight):

@@ -91,6 +91,15 @@ def test_interrupted_training_resumes_to_the_same_result(
     assert read_run(tmp_path / "cut").sha256 == read_run(tmp_path / "whole").sha256
 
 
+def test_nan_in_the_loss_is_a_clear_error(
+    control_data: Dataset, encoder: Dronet, tmp_path: Path
+) -> None:
+    settings = dataclasses.replace(SETTINGS, learning_rate=1e30)
+    with pytest.raises(TrainingError, match=r"the loss is (nan|inf) in epoch \d+: lower"):
+        train(control_data, encoder, tmp_path, settings)
+    assert not (tmp_path / "policy.safetensors").exists()
+
+
 def test_other_encoder_is_refused(control_data: Dataset, encoder: Dronet, tmp_path: Path) -> None:
     settings = dataclasses.replace(SETTINGS, epochs=1, learning_rate=0.0)
     with pytest.raises(TrainingError, match="was not learned"):
