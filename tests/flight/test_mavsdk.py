@@ -1,6 +1,6 @@
-"""MAVSDK, written by others, finds the vehicle, flies a square with it in offboard, and lands."""
+"""MAVSDK, written by others, takes off and holds, flies a square in offboard, stops and lands."""
 
-from collections.abc import Iterator
+import math
 from functools import partial
 from operator import eq
 from pathlib import Path
@@ -12,72 +12,90 @@ from mavsdk.plugins.action import Action
 from mavsdk.plugins.offboard import Offboard, VelocityBodyYawspeed
 from mavsdk.plugins.telemetry import FlightMode, LandedState, Telemetry
 
-from tests.flight.mavsdk_vehicle import Latest, found_vehicle
+from tests.flight.mavsdk_vehicle import PATIENCE_S, Latest, Track, found_vehicle
+from tests.flight.tlogs import of_type, read
 
 pytestmark = pytest.mark.flight
-LEG_M = 3.0
-ACROSS_M = 1.0  # how far a leg may stray sideways
+ARM, SET_MODE = 400, 176
+HOLD = 0x03040000
+WIDER = 0.15
+# A real PX4 was seen, by MAVSDK:
+IN_AIR_S = (1.8, 3.0)  # after arming; the earlier one on the other link
+HEIGHT_M = (2.1, 2.9)
+LEG_M = (1.2, 3.7)  # 3 s at 1 m/s
+STOPPED_S = 1.0  # HOLD after 0.5 to 1.0 s, as its HEARTBEAT comes
+LEG_S, STRAY_M = 3.0, 1.0
 
 
-@pytest.fixture
-def system(tmp_path: Path) -> Iterator[System]:
-    with found_vehicle(tmp_path) as found:
-        yield found
+def test_takes_off_holds_flies_a_square_and_lands(tmp_path: Path) -> None:
+    log = tmp_path / "vehicle.tlog"
+    with found_vehicle(tmp_path, f"--log={log}") as system:
+        fly(system)
+    messages = read(log)
+    orders = of_type(messages, "COMMAND_LONG")
+    armed_s = next(m._timestamp for m in orders if m.command == ARM)
+    in_air_s = first(messages, "EXTENDED_SYS_STATE", armed_s, lambda m: m.landed_state in (2, 3))
+    low, high = IN_AIR_S
+    assert low * (1.0 - WIDER) <= in_air_s <= high * (1.0 + WIDER)
+    stopped_s = [m._timestamp for m in orders if m.command == SET_MODE][-1]
+    held_s = first(messages, "HEARTBEAT", stopped_s, lambda m: m.custom_mode == HOLD)
+    assert held_s <= STOPPED_S * (1.0 + WIDER)
 
 
-def test_flies_a_square_in_offboard_and_lands(system: System) -> None:
+def fly(system: System) -> None:
     telemetry, action, offboard = Telemetry(system), Action(system), Offboard(system)
-    in_air = Latest(telemetry.subscribe_landed_state)
-    motion = Latest(telemetry.subscribe_position_velocity_ned)
+    state = Latest(telemetry.subscribe_landed_state)
     mode = Latest(telemetry.subscribe_flight_mode)
-    healthy = Latest(telemetry.subscribe_health_all_ok)
     armed = Latest(telemetry.subscribe_armed)
-
-    healthy.until(bool, "healthy", timeout_s=20.0)
+    track = Track(telemetry)
+    Latest(telemetry.subscribe_health_all_ok).until(bool, "healthy", timeout_s=20.0)
+    ground = track.now().place_ned
     action.arm()
     action.takeoff()
-    in_air.until(lambda state: state == LandedState.IN_AIR, "in the air", timeout_s=10.0)
+    state.until(partial(eq, LandedState.IN_AIR), "in the air", timeout_s=PATIENCE_S)
     for expected in (FlightMode.TAKEOFF, FlightMode.HOLD):
-        mode.until(partial(eq, expected), str(expected), timeout_s=10.0)
+        mode.until(partial(eq, expected), str(expected), timeout_s=PATIENCE_S)
+    check_hold(track, ground)
 
     offboard.set_velocity_body(VelocityBodyYawspeed())
     offboard.start()
-    mode.until(lambda value: value == FlightMode.OFFBOARD, "offboard", timeout_s=5.0)
-    start = _now(motion)
-    assert -start.down_m > 1.5
+    mode.until(partial(eq, FlightMode.OFFBOARD), "offboard", timeout_s=5.0)
+    start = track.now().place_ned
     for forward, right in ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)):
-        _fly_leg(offboard, motion, forward, right)
-    end = _now(motion)
-    assert abs(end.north_m - start.north_m) < ACROSS_M
-    assert abs(end.east_m - start.east_m) < ACROSS_M
+        fly_leg(offboard, track, forward, right)
+    assert math.dist(start[:2], track.now().place_ned[:2]) < 2.0 * STRAY_M
+    offboard.stop()
+    mode.until(partial(eq, FlightMode.HOLD), "hold", timeout_s=5.0)
 
     action.land()
-    in_air.until(lambda state: state == LandedState.ON_GROUND, "landed", timeout_s=15.0)
-    armed.until(lambda value: not value, "disarmed", timeout_s=5.0)
+    state.until(partial(eq, LandedState.ON_GROUND), "landed", timeout_s=PATIENCE_S)
+    for value in (True, False):  # one after the other
+        armed.until(partial(eq, value), f"armed: {value}", timeout_s=PATIENCE_S)
+    assert track.now().place_ned[2] == pytest.approx(ground[2], abs=STRAY_M)
 
 
-def _fly_leg(offboard: Offboard, motion: Latest, forward: float, right: float) -> None:
+def check_hold(track: Track, ground: tuple[float, float, float]) -> None:
+    held = [motion.place_ned for motion in track.wait(3.0)]
+    low, high = HEIGHT_M
+    for place in (held[0], held[-1]):
+        assert low * (1.0 - WIDER) <= ground[2] - place[2] <= high * (1.0 + WIDER)
+    assert max(math.dist(held[0], place) for place in held) < STRAY_M
+
+
+def fly_leg(offboard: Offboard, track: Track, forward: float, right: float) -> None:
     """Fly one side; the vehicle faces north, so forward is north and right is east."""
-    before = _now(motion)
+    before = track.now().place_ned
     offboard.set_velocity_body(VelocityBodyYawspeed(forward, right, 0.0, 0.0))
-
-    def along_m(sample: Any) -> float:
-        north_m = sample.position.north_m - before.north_m
-        east_m = sample.position.east_m - before.east_m
-        return float(forward * north_m + right * east_m)
-
-    motion.until(lambda sample: along_m(sample) > LEG_M, "the end of a leg", timeout_s=10.0)
+    track.wait(LEG_S)
     offboard.set_velocity_body(VelocityBodyYawspeed())
-    motion.until(_at_rest, "rest after a leg", timeout_s=10.0)
-    after = _now(motion)
-    across_m = right * (after.north_m - before.north_m) + forward * (after.east_m - before.east_m)
-    assert abs(across_m) < ACROSS_M
+    rest = track.until(lambda m: math.hypot(*m.velocity_ned[:2]) < 0.1, "rest", within_s=10.0)
+    north, east = (rest.place_ned[axis] - before[axis] for axis in (0, 1))
+    low, high = LEG_M
+    assert low * (1.0 - WIDER) <= forward * north + right * east <= high * (1.0 + WIDER)
+    assert abs(right * north + forward * east) < STRAY_M
 
 
-def _at_rest(sample: Any) -> bool:
-    velocity = sample.velocity
-    return bool(abs(velocity.north_m_s) < 0.1 and abs(velocity.east_m_s) < 0.1)
-
-
-def _now(motion: Latest) -> Any:
-    return motion.next().position
+def first(messages: list[Any], name: str, since_s: float, meets: Any) -> float:
+    """Seconds of vehicle time from `since_s` to the first such message of the autopilot."""
+    found = (m for m in of_type(messages, name) if m.get_srcComponent() == 1 and meets(m))
+    return float(next(m._timestamp for m in found if m._timestamp >= since_s) - since_s)

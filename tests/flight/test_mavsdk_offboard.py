@@ -2,98 +2,144 @@
 
 import math
 import threading
-import time
-from collections.abc import Iterator
+from functools import partial
+from operator import eq
 from pathlib import Path
-from typing import Any
 
 import pytest
 from mavsdk import System
 from mavsdk.plugins.action import Action
 from mavsdk.plugins.failure import Failure, FailureError, FailureResult, FailureType, FailureUnit
 from mavsdk.plugins.manual_control import ManualControl
-from mavsdk.plugins.offboard import Attitude, AttitudeRate, Offboard, PositionNedYaw
+from mavsdk.plugins.offboard import (
+    Attitude,
+    AttitudeRate,
+    Offboard,
+    PositionNedYaw,
+    VelocityNedYaw,
+)
 from mavsdk.plugins.telemetry import FlightMode, LandedState, Telemetry
 
-from tests.flight.mavsdk_vehicle import SPEED_FACTOR, Latest, found_vehicle
+from tests.flight.mavsdk_vehicle import (
+    PATIENCE_S,
+    Latest,
+    Motion,
+    Track,
+    Vector3,
+    found_vehicle,
+)
 
 pytestmark = pytest.mark.flight
-LEG_TIME_S, WITHIN_M = 10.0, 0.3  # PX4's own figures
+LEG_S, WITHIN_M, HOME_M = 10.0, 0.3, 2.0  # PX4's own figures
 HOVER_THRUST = 0.6
 STICKS_SPEED_FACTOR = 2.0  # COM_RC_LOSS_T is then a quarter of a second of wall time
 STICKS_HZ = 40.0
 
 
-@pytest.fixture
-def system(tmp_path: Path) -> Iterator[System]:
-    with found_vehicle(tmp_path) as found:
-        yield found
-
-
-def test_offboard_by_position_and_attitude(system: System) -> None:
+def test_offboard_by_position_velocity_and_attitude(system: System) -> None:
     telemetry, action, offboard = Telemetry(system), Action(system), Offboard(system)
-    motion = Latest(telemetry.subscribe_position_velocity_ned)
+    track = Track(telemetry)
     mode = Latest(telemetry.subscribe_flight_mode)
     state = Latest(telemetry.subscribe_landed_state)
+    armed = Latest(telemetry.subscribe_armed)
     arm_when_healthy(telemetry, action)
-    start = motion.next().position
+    north, east, ground = track.now().place_ned
 
-    offboard.set_position_ned(PositionNedYaw(start.north_m, start.east_m, start.down_m - 3.0, 0.0))
+    offboard.set_position_ned(PositionNedYaw(north, east, ground - 3.0, 0.0))
     offboard.start()
     mode.until(lambda value: value == FlightMode.OFFBOARD, "offboard", timeout_s=5.0)
-    for north, east, up in ((0.0, 0.0, 4.0), (5.0, 0.0, 4.0), (5.0, -5.0, 4.0), (0.0, 0.0, 4.0)):
-        place = (start.north_m + north, start.east_m + east, start.down_m - up)
-        fly_leg(offboard, motion, place)
+    for ahead, right in ((0.0, 0.0), (5.0, 0.0), (5.0, -5.0), (0.0, 0.0)):
+        fly_leg(offboard, track, (north + ahead, east + right, ground - 4.0))
+    fly_east(offboard, track)
+    climb_by_attitude(offboard, track)
+    turn_by_rate(offboard, telemetry)
 
-    climb_by_attitude(offboard, motion)
-    offboard.set_attitude_rate(AttitudeRate(0.0, 0.0, 30.0, HOVER_THRUST))
+    fly_leg(offboard, track, (north, east, ground - 2.0))
+    action.land()
+    for there in (LandedState.IN_AIR, LandedState.ON_GROUND):  # one after the other
+        state.until(partial(eq, there), str(there), timeout_s=PATIENCE_S)
+    for value in (True, False):
+        armed.until(partial(eq, value), f"armed: {value}", timeout_s=PATIENCE_S)
+    assert math.dist(track.now().place_ned, (north, east, ground)) < HOME_M
+
+
+def fly_leg(offboard: Offboard, track: Track, place: Vector3) -> None:
+    offboard.set_position_ned(PositionNedYaw(*place, 0.0))
+    there = track.until(
+        lambda m: math.dist(m.place_ned, place) < WITHIN_M, f"at {place}", within_s=LEG_S
+    )
+    assert math.hypot(*there.velocity_ned) < 3.0  # it comes to stay
+
+
+def fly_east(offboard: Offboard, track: Track) -> None:
+    """A velocity of the earth; the height is kept."""
+    offboard.set_velocity_ned(VelocityNedYaw(0.0, 1.0, 0.0, 0.0))
+    flown = track.wait(4.0)
+    north, east, down = (
+        after - before
+        for before, after in zip(flown[0].place_ned, flown[-1].place_ned, strict=True)
+    )
+    assert 2.0 < east < 5.0
+    assert max(abs(north), abs(down)) < 1.0
+    assert flown[-1].velocity_ned[1] == pytest.approx(1.0, abs=0.4)
+
+
+def climb_by_attitude(offboard: Offboard, track: Track) -> None:
+    start = track.now().place_ned
+    offboard.set_attitude(Attitude(0.0, 0.0, 0.0, HOVER_THRUST + 0.1))
+    above = track.until(lambda m: m.place_ned[2] < start[2] - 2.0, "climbed", within_s=10.0)
+    assert math.dist(above.place_ned[:2], start[:2]) < 5.0
+    assert above.velocity_ned[2] < -0.5
+
+
+def turn_by_rate(offboard: Offboard, telemetry: Telemetry) -> None:
+    """Clockwise is positive."""
     heading = Latest(telemetry.subscribe_attitude_euler)
     before = heading.next().yaw_deg
-    heading.until(lambda angle: abs(angle.yaw_deg - before) > 15.0, "turned", timeout_s=5.0)
 
-    action.land()
-    state.until(lambda value: value == LandedState.ON_GROUND, "landed", timeout_s=20.0)
+    def turned_deg(angle_deg: float) -> float:
+        return math.remainder(angle_deg - before, 360.0)
 
-
-def fly_leg(offboard: Offboard, motion: Latest, place: tuple[float, float, float]) -> None:
-    offboard.set_position_ned(PositionNedYaw(*place, 0.0))
-
-    def is_there(sample: Any) -> bool:
-        at = sample.position
-        return math.dist((at.north_m, at.east_m, at.down_m), place) < WITHIN_M
-
-    motion.drain()
-    motion.until(is_there, f"at {place}", timeout_s=LEG_TIME_S / SPEED_FACTOR)
-
-
-def climb_by_attitude(offboard: Offboard, motion: Latest) -> None:
-    start_m = -motion.next().position.down_m
-    offboard.set_attitude(Attitude(0.0, 0.0, 0.0, HOVER_THRUST + 0.1))
-    motion.until(lambda sample: -sample.position.down_m > start_m + 2.0, "climbed", timeout_s=5.0)
+    offboard.set_attitude_rate(AttitudeRate(0.0, 0.0, 30.0, HOVER_THRUST))
+    after = heading.until(lambda a: abs(turned_deg(a.yaw_deg)) > 15.0, "turned", timeout_s=10.0)
+    assert turned_deg(after.yaw_deg) > 0.0
 
 
 def test_position_control_by_sticks_and_refused_failure(tmp_path: Path) -> None:
     with found_vehicle(tmp_path, f"--speed-factor={STICKS_SPEED_FACTOR}") as system:
         refuse_failure(Failure(system))
         telemetry, action = Telemetry(system), Action(system)
-        motion = Latest(telemetry.subscribe_position_velocity_ned)
+        track = Track(telemetry)
         mode = Latest(telemetry.subscribe_flight_mode)
         armed = Latest(telemetry.subscribe_armed)
         sticks = ManualControl(system)
         with Sticks(sticks) as hands:
-            time.sleep(0.2)
+            track.wait(0.5)
             arm_when_healthy(telemetry, action)
+            ground = track.now().place_ned[2]
             sticks.start_position_control()
             mode.until(lambda value: value == FlightMode.POSCTL, "position", timeout_s=5.0)
-            start = motion.next().position
-            hands.hold(up=1.0)
-            motion.until(lambda s: s.position.down_m < start.down_m - 2.0, "up", timeout_s=20.0)
-            hands.hold(forward=0.5)
-            motion.until(lambda s: s.position.north_m > start.north_m + 3.0, "on", timeout_s=20.0)
-            hands.hold()
-            motion.until(is_at_rest, "at rest", timeout_s=10.0)
+            fly_by_sticks(hands, track)
             hands.hold(up=-1.0)
-            armed.until(lambda value: not value, "landed and disarmed", timeout_s=30.0)
+            for value in (True, False):  # landed
+                armed.until(partial(eq, value), f"armed: {value}", timeout_s=PATIENCE_S)
+            assert track.now().place_ned[2] == pytest.approx(ground, abs=1.0)
+            assert mode.next() == FlightMode.POSCTL
+
+
+def fly_by_sticks(hands: "Sticks", track: Track) -> None:
+    """Up, ahead, which is north, and to a rest that is kept."""
+    start = track.now().place_ned
+    hands.hold(up=1.0)
+    above = track.until(lambda m: m.place_ned[2] < start[2] - 2.0, "up", within_s=10.0)
+    assert math.dist(above.place_ned[:2], start[:2]) < 1.0
+    hands.hold(forward=0.5)
+    ahead = track.until(lambda m: m.place_ned[0] > start[0] + 3.0, "ahead", within_s=15.0)
+    assert abs(ahead.place_ned[1] - start[1]) < 1.0
+    hands.hold()
+    at_rest = track.until(is_at_rest, "at rest", within_s=10.0)
+    held = [motion.place_ned for motion in track.wait(2.0)]
+    assert max(math.dist(place, at_rest.place_ned) for place in held) < 1.0
 
 
 def refuse_failure(failure: Failure) -> None:
@@ -110,9 +156,8 @@ def arm_when_healthy(telemetry: Telemetry, action: Action) -> None:
     action.arm()
 
 
-def is_at_rest(sample: Any) -> bool:
-    velocity = sample.velocity
-    return math.hypot(velocity.north_m_s, velocity.east_m_s) < 0.2
+def is_at_rest(motion: Motion) -> bool:
+    return math.hypot(*motion.velocity_ned) < 0.2
 
 
 class Sticks:
