@@ -7,8 +7,18 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from pymavlink.dialects.v20 import development as mavlink
 
-from tests.wire.lockstep_pilot import ARM, STANDBY, STILL, Heard, LockstepPilot, Setpoint, named
+from tests.wire.lockstep_pilot import (
+    ARM,
+    SET_MODE,
+    STANDBY,
+    STILL,
+    Heard,
+    LockstepPilot,
+    Setpoint,
+    named,
+)
 from tests.wire.vehicle_process import Vehicle, is_acknowledgement, is_from, is_text
 
 pytestmark = pytest.mark.flight
@@ -16,7 +26,8 @@ OFFBOARD, ON_GROUND, IN_AIR, ACTIVE = 0x00060000, 1, 2, 4
 TELL, STATE_ID, STATE_US = 511, 245, 100_000  # SET_MESSAGE_INTERVAL of EXTENDED_SYS_STATE
 WIDER, BEAT_S = 0.15, 1.01
 UP, DOWN = Setpoint((0.0, 0.0, -1.0)), Setpoint((0.0, 0.0, 0.7))
-TAKE_OFF, HOLD = 22, 0x03040000
+TAKE_OFF, HOLD, MISSION = 22, 0x03040000, 0x04040000
+FLY_MISSION = (1.0, 4.0, 4.0)  # DO_SET_MODE
 HOME_AMSL_M = 489.4
 
 
@@ -69,6 +80,7 @@ def test_armed_and_still_it_stays_on_the_ground_and_disarms(pilot: LockstepPilot
     """PX4: 10 s after it was armed, 11.7 s in the heartbeat; the mode stays."""
     pilot.fly_until(is_text("Ready for takeoff!"), "readiness")
     pilot.enter_offboard()
+    assert beats(pilot.fly(2.0 * BEAT_S)) == {(OFFBOARD, 17, STANDBY)}
     pilot.order(ARM, 1.0)
     armed_s = pilot.time_s
     heard = pilot.fly(8.0)
@@ -111,3 +123,24 @@ def test_take_off_to_a_height_above_the_sea(pilot: LockstepPilot) -> None:
     pilot.fly_until(lambda m: is_from(1, "HEARTBEAT")(m) and m.custom_mode == HOLD, "HOLD")
     place = named(pilot.fly(3.0), "GLOBAL_POSITION_INT")[-1]
     assert 6.0 * (1.0 - WIDER) <= place.relative_alt / 1e3 <= 7.0 * (1.0 + WIDER)
+
+
+def test_a_mission_is_not_started_at_once_after_its_upload_in_flight(pilot: LockstepPilot) -> None:
+    """PX4: refused within some 100 ms; wait 1.5 s."""
+    pilot.take_off_in_offboard(3.0)
+    here = named(pilot.fly(0.5), "GLOBAL_POSITION_INT")[-1]
+    numbers = (0.0, 2.0, 0.0, float("nan"), here.lat, here.lon, 3.0)
+    pilot.gcs.send(mavlink.MAVLink_mission_count_message(1, 1, 1, 0))
+    pilot.gcs.send(mavlink.MAVLink_mission_item_int_message(1, 1, 0, 6, 16, 1, 1, *numbers))
+    pilot.gcs.command(SET_MODE, *FLY_MISSION)
+    heard = pilot.fly(BEAT_S + 0.1)
+    assert [ack.type for ack in named(heard, "MISSION_ACK")] == [0]
+    assert [ack.result for ack in named(heard, "COMMAND_ACK")] == [0, 1]
+    said = "".join(text.text for text in named(heard, "STATUSTEXT") if text.severity == 2)
+    assert "Switching to Mission is currently not available\t" in said
+    assert beats(heard) == {(OFFBOARD, 145, ACTIVE)}
+    pilot.fly(0.4)
+    pilot.gcs.command(SET_MODE, *FLY_MISSION)
+    heard = pilot.fly(2.0 * BEAT_S)
+    assert [ack.result for ack in named(heard, "COMMAND_ACK")] == [0, 0]
+    assert (MISSION, 157, ACTIVE) in beats(heard)

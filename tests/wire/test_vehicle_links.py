@@ -78,10 +78,16 @@ def test_what_ground_stations_ask_each_other_is_forwarded_as_they_sent_it() -> N
             here.say_hello(ONBOARD_CONTROLLER)
             here.send(mavlink.MAVLink_timesync_message(0, 5))
             here.send(mavlink.MAVLink_ping_message(1, 5, 0, 0))
-            for name in ("HEARTBEAT", "TIMESYNC", "PING"):
+            heartbeat, timesync, ping = (
                 there.wait_for(
                     lambda m, name=name: m.get_type() == name and m.get_srcSystem() == 42, name
                 )
+                for name in ("HEARTBEAT", "TIMESYNC", "PING")
+            )
+            assert {m.get_srcComponent() for m in (heartbeat, timesync, ping)} == {7}
+            assert heartbeat.type == ONBOARD_CONTROLLER
+            assert (timesync.tc1, timesync.ts1) == (0, 5)
+            assert (ping.time_usec, ping.seq, ping.target_system) == (1, 5, 0)
 
 
 def test_a_port_in_use_is_refused_in_one_line() -> None:

@@ -2,15 +2,14 @@
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 from pymavlink.dialects.v20 import development as mavlink
 
+from tests.observed_idle import IDLE, LOAD_PERMILLE
 from tests.wire.vehicle_process import Client, Vehicle, is_acknowledgement, is_from
 
 pytestmark = pytest.mark.flight
-NAN = float("nan")
 SET_MODE, REQUEST_MESSAGE, ARM = 176, 512, 400
 STANDBY, BOOT = 3, 0
 MODES = {  # main, sub: custom_mode, base_mode and system_status of a disarmed vehicle
@@ -27,33 +26,6 @@ MODES = {  # main, sub: custom_mode, base_mode and system_status of a disarmed v
     (4, 6): (0x06040000, 29, BOOT),
     (4, 9): (0x09040000, 29, BOOT),
     (4, 8): (0x08040000, 17, BOOT),
-}
-IDLE: dict[str, dict[str, Any]] = {
-    "SYS_STATUS": {
-        "onboard_control_sensors_present": 0x0300402F,
-        "onboard_control_sensors_enabled": 0x0301402F,
-        "onboard_control_sensors_health": 0x1320C83F,
-        "voltage_battery": 16200,
-        "current_battery": -100,
-        "battery_remaining": 100,
-    },
-    "EXTENDED_SYS_STATE": {"vtol_state": 0, "landed_state": 1},
-    "MISSION_CURRENT": {"seq": 0, "total": 65535, "mission_state": 1, "mission_mode": 2},
-    "GPS_RAW_INT": {"fix_type": 3, "satellites_visible": 10, "eph": 70, "epv": 110},
-    "ESTIMATOR_STATUS": {"flags": 1023},
-    "BATTERY_STATUS": {"voltages": [16200, *[65535] * 9], "charge_state": 1},
-    "SERVO_OUTPUT_RAW": {f"servo{n}_raw": 900 for n in range(1, 17)},
-    "HOME_POSITION": {},
-    "POSITION_TARGET_LOCAL_NED": {
-        "coordinate_frame": 1,
-        "type_mask": 63,
-        **dict.fromkeys(("x", "y", "z", "vx", "vy", "vz"), NAN),
-        "afx": 0.0,
-        "afy": 0.0,
-        "afz": 100.0,
-    },
-    "ATTITUDE_TARGET": {"type_mask": 0},
-    "VFR_HUD": {"airspeed": NAN},
 }
 INVALID = "SET_POSITION_TARGET_LOCAL_NED invalid\t"
 FORCE = "SET_POSITION_TARGET_LOCAL_NED force not supported\t"
@@ -89,18 +61,6 @@ def client() -> Iterator[Client]:
         yield vehicle.gcs
 
 
-def heard_until_pong(client: Client, message: Any, number: int) -> list[Any]:
-    """What comes after a message, up to the answer to a later ping."""
-    client.send(message)
-    client.send(mavlink.MAVLink_ping_message(0, number, 0, 0))
-    heard = []
-    for received in client.messages():
-        heard.append(received)
-        if received.get_type() == "PING" and received.seq == number:
-            return heard
-    raise AssertionError("no answer to the ping")
-
-
 @pytest.mark.parametrize("numbers", MODES, ids=str)
 def test_heartbeat_of_each_mode(client: Client, numbers: tuple[int, int]) -> None:
     client.forget()
@@ -128,6 +88,9 @@ def test_idle_values(client: Client, name: str) -> None:
             assert math.isnan(value), field
         else:
             assert value == expected, field
+    if name == "SYS_STATUS":
+        low, high = LOAD_PERMILLE
+        assert low <= shown.load <= high
     if name == "ATTITUDE_TARGET":
         assert shown.thrust == pytest.approx(0.001, abs=0.0015)
     if name == "HOME_POSITION":
@@ -142,7 +105,7 @@ def test_setpoints(client: Client, system: int, frame: int, mask: int, text: str
     setpoint = mavlink.MAVLink_set_position_target_local_ned_message(
         0, system, 1, frame, mask, *numbers
     )
-    heard = heard_until_pong(client, setpoint, 500 + frame)
+    heard = client.ask(setpoint)
     texts = [m for m in heard if m.get_type() == "STATUSTEXT"]
     assert "".join(m.text for m in texts) == text
     assert all(m.severity == 2 for m in texts)

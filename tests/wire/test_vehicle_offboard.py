@@ -22,6 +22,7 @@ NAN = float("nan")
 HOLD, TAKEOFF, OFFBOARD, POSCTL, LAND = 0x03040000, 0x02040000, 0x00060000, 0x00030000, 0x06040000
 ACCEPTED, TEMPORARILY_REJECTED = 0, 1
 IN_AIR = 2
+HOLDS_M, WIDER = (2.1, 2.9), 0.15
 
 
 class Pilot:
@@ -99,17 +100,27 @@ def pilot() -> Iterator[Pilot]:
         yield Pilot(vehicle.gcs)
 
 
+def height_m(pilot: Pilot) -> float:
+    """Metres above home."""
+    place = pilot.wait_for(is_from(1, "GLOBAL_POSITION_INT"), "position", 1.0)
+    return float(place.relative_alt / 1e3)
+
+
 def take_off(pilot: Pilot) -> None:
+    """PX4: it holds at 2.1 to 2.9 m."""
     pilot.beat(HOLD, 29, 3)
     pilot.command(400, 1, results=[ACCEPTED])
     pilot.beat(HOLD, 157, 4)
     pilot.command(22, *[NAN] * 7, results=[ACCEPTED])
-    pilot.text("Takeoff detected")
+    pilot.text("Using default takeoff altitude: 2.5 m\t")
+    pilot.text("Takeoff detected\t")
     pilot.beat(TAKEOFF, 157, 4)
     pilot.wait_for(
         lambda m: m.get_type() == "EXTENDED_SYS_STATE" and m.landed_state == IN_AIR, "air", 15.0
     )
     pilot.beat(HOLD, 157, 4)
+    low, high = HOLDS_M
+    assert low * (1.0 - WIDER) <= height_m(pilot) <= high * (1.0 + WIDER)
 
 
 def test_a_flight_in_offboard_its_loss_and_its_return(pilot: Pilot) -> None:
@@ -156,6 +167,7 @@ def test_refusals_in_the_air_and_a_landing(pilot: Pilot) -> None:
     pilot.text("Landing detected", 20.0)
     pilot.text("Disarmed by landing")
     pilot.beat(HOLD, 29, 3)
+    assert abs(height_m(pilot)) < 1.0  # as far as it knows
 
 
 def test_a_kill_in_the_air_stops_at_once(pilot: Pilot) -> None:

@@ -80,6 +80,14 @@ def collect(client: Client, seconds: float) -> list[Any]:
     raise AssertionError("the stream stopped")
 
 
+def interval_us(client: Client, number: int, asked_us: int) -> int:
+    """What MESSAGE_INTERVAL shows once an interval was asked for and accepted."""
+    client.command(511, number, asked_us)
+    assert client.wait_for(is_acknowledgement(511)).result == 0
+    client.command(510, number)
+    return int(client.wait_for("MESSAGE_INTERVAL").interval_us)
+
+
 def sequences(messages: list[Any]) -> dict[int, list[int]]:
     numbers: dict[int, list[int]] = defaultdict(list)
     for message in messages:
@@ -152,11 +160,20 @@ def test_an_interval_of_0_leads_back_to_the_modes_default_not_to_the_start_up_ra
     vehicle: Vehicle,
 ) -> None:
     client = vehicle.gcs
-    for interval_us, rate_hz in ((50_000, 20), (0, 10), (20_000, 50)):
-        client.command(511, mavlink.MAVLINK_MSG_ID_ATTITUDE_QUATERNION, interval_us)
-        assert client.wait_for(is_acknowledgement(511)).result == 0
-        client.command(510, mavlink.MAVLINK_MSG_ID_ATTITUDE_QUATERNION)
-        shown = client.wait_for("MESSAGE_INTERVAL")
-        assert shown.interval_us == 1_000_000 // rate_hz
+    for asked_us, rate_hz in ((50_000, 20), (0, 10), (20_000, 50)):
+        shown_us = interval_us(client, mavlink.MAVLINK_MSG_ID_ATTITUDE_QUATERNION, asked_us)
+        assert shown_us == 1_000_000 // rate_hz
         names = Counter(m.get_type() for m in collect(client, 2.0))
         assert names["ATTITUDE_QUATERNION"] == pytest.approx(2 * rate_hz, abs=1)
+    shown_us = interval_us(client, mavlink.MAVLINK_MSG_ID_ATTITUDE, 0)
+    assert shown_us == pytest.approx(1e6 / 15, abs=1)
+    assert interval_us(client, mavlink.MAVLINK_MSG_ID_ATTITUDE, 20_000) == 20_000
+
+
+def test_an_interval_of_minus_1_stops_a_message(vehicle: Vehicle) -> None:
+    client, number = vehicle.gcs, mavlink.MAVLINK_MSG_ID_ALTITUDE
+    assert interval_us(client, number, 50_000) == 50_000
+    assert Counter(m.get_type() for m in collect(client, 1.0))["ALTITUDE"] >= 19
+    assert interval_us(client, number, -1) == -1
+    assert "ALTITUDE" not in {m.get_type() for m in collect(client, 1.0)}
+    assert interval_us(client, number, 0) == 1_000_000

@@ -17,6 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 GCS, ONBOARD_CONTROLLER = 6, 18  # MAV_TYPE
 PATIENCE_S = 10.0  # wall time
 OTHER_SYSTEM, OTHER_COMPONENT = 42, 7
+ATTITUDES = 2  # one may have been on its way before the texts of the same tick
 
 
 class Client:
@@ -32,6 +33,7 @@ class Client:
         self.codec = mavlink.MAVLink(None, srcSystem=OTHER_SYSTEM, srcComponent=OTHER_COMPONENT)
         self.codec.robust_parsing = True
         self._waiting: deque[Any] = deque()
+        self._pings = 1000  # the vehicle's own count from 0
 
     def send(self, message: Any) -> None:
         """Send to wherever the vehicle was heard from."""
@@ -44,8 +46,23 @@ class Client:
 
     def command(self, number: int, *params: float, target: tuple[int, int] = (1, 1)) -> None:
         """Send a COMMAND_LONG."""
-        values = [*params, *[0.0] * (7 - len(params))]
-        self.send(mavlink.MAVLink_command_long_message(*target, number, 0, *values))
+        self.send(command_long(number, *params, target=target))
+
+    def ask(self, message: Any) -> list[Any]:
+        """Send a message; all that comes until a later ping is answered and a tick has passed."""
+        self._pings += 1
+        self.send(message)
+        self.send(mavlink.MAVLink_ping_message(0, self._pings, 0, 0))
+        heard: list[Any] = []
+        left = ATTITUDES  # after the answer to the ping
+        answered = False
+        for received in self.messages():
+            heard.append(received)
+            answered |= received.get_type() == "PING" and received.seq == self._pings
+            left -= answered and received.get_type() == "ATTITUDE"
+            if not left:
+                return heard
+        raise AssertionError(f"no answer to the ping after {message}")
 
     def messages(self, timeout_s: float = PATIENCE_S) -> Iterator[Any]:
         """Give message after message until `timeout_s` of wall time is over."""
@@ -130,6 +147,12 @@ class Vehicle:
         self.process.send_signal(number)
         said, _ = self.process.communicate(timeout=PATIENCE_S)
         return self.process.returncode, said
+
+
+def command_long(number: int, *params: float, target: tuple[int, int] = (1, 1)) -> Any:
+    """Make a COMMAND_LONG; what is not given is 0."""
+    values = [*params, *[0.0] * (7 - len(params))]
+    return mavlink.MAVLink_command_long_message(*target, number, 0, *values)
 
 
 def is_from(component: int, name: str) -> Callable[[Any], bool]:

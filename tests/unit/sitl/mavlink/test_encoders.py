@@ -12,9 +12,10 @@ from sitl.mavlink.encoders import ENCODERS
 from sitl.mavlink.framing import frame, pack, split
 from sitl.mavlink.view import View
 from sitl.modes import Mode
+from tests.observed_idle import IDLE
 from tests.unit.sitl.mavlink.fakes import FakeVehicle
 
-ON_GROUND: dict[str, dict[str, Any]] = {
+OURS: dict[str, dict[str, Any]] = {  # beside what was seen: places of the fake, and the like
     "HEARTBEAT": {
         "type": 2,
         "autopilot": 12,
@@ -23,42 +24,11 @@ ON_GROUND: dict[str, dict[str, Any]] = {
         "base_mode": 29,
         "system_status": 3,
     },
-    "SYS_STATUS": {
-        "onboard_control_sensors_present": 0x0300402F,
-        "onboard_control_sensors_enabled": 0x0301402F,
-        "onboard_control_sensors_health": 0x1320C83F,
-        "voltage_battery": 16200,
-        "current_battery": -100,
-        "battery_remaining": 100,
-    },
-    "EXTENDED_SYS_STATE": {"vtol_state": 0, "landed_state": 1},
-    "MISSION_CURRENT": {"seq": 0, "total": 65535, "mission_state": 1, "mission_mode": 2},
-    "GPS_RAW_INT": {
-        "fix_type": 3,
-        "satellites_visible": 10,
-        "eph": 70,
-        "epv": 110,
-        "lat": 473977428,
-        "lon": 85455967,
-        "alt": 489600,
-    },
-    "ESTIMATOR_STATUS": {"flags": 1023},
-    "BATTERY_STATUS": {
-        "id": 0,
-        "voltages": [16200] + [65535] * 9,
-        "charge_state": 1,
-        "battery_remaining": 100,
-    },
-    "SERVO_OUTPUT_RAW": {f"servo{n}_raw": 900 for n in range(1, 17)} | {"port": 0},
-    "POSITION_TARGET_LOCAL_NED": {
-        "coordinate_frame": 1,
-        "type_mask": 63,
-        "x": math.nan,
-        "vz": math.nan,
-        "afz": 100.0,
-    },
-    "ATTITUDE_TARGET": {"type_mask": 0, "thrust": pytest.approx(0.001)},
-    "VFR_HUD": {"airspeed": math.nan, "heading": 0, "throttle": 0},
+    "GPS_RAW_INT": {"lat": 473977428, "lon": 85455967, "alt": 489600},
+    "BATTERY_STATUS": {"id": 0, "battery_remaining": 100},
+    "SERVO_OUTPUT_RAW": {"port": 0},
+    "ATTITUDE_TARGET": {"thrust": pytest.approx(0.001)},
+    "VFR_HUD": {"heading": 0, "throttle": 0},
     "HOME_POSITION": {"latitude": 473977428, "longitude": 85455967, "altitude": 489600},
     "GLOBAL_POSITION_INT": {"lat": 473977428, "relative_alt": 0, "hdg": 0},
     "CURRENT_MODE": {"custom_mode": 0x03040000, "intended_custom_mode": 0x03040000},
@@ -66,6 +36,7 @@ ON_GROUND: dict[str, dict[str, Any]] = {
     "PING": {"target_system": 0, "target_component": 0},
     "ODOMETRY": {"frame_id": 1, "child_frame_id": 1, "estimator_type": 8},
 }
+ON_GROUND = {name: IDLE.get(name, {}) | OURS.get(name, {}) for name in IDLE.keys() | OURS.keys()}
 
 
 def encode(name: str, vehicle: FakeVehicle) -> Any:
