@@ -1,4 +1,4 @@
-"""The conditions of a flight that is not a fine day's: wind, light, camera and course.
+"""The conditions of a flight that is not a fine day's: wind, light, camera, course and estimate.
 
 A TOML file has a table for each; what it leaves out stays as it is on a fine day, where everything
 is off and a flight is the very same as without a file. The record is the reference of the keys.
@@ -31,6 +31,7 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "noise_std_levels": (0.0, 128.0),
     "frozen_frame_share": (0.0, 1.0),
     "decoy_inwards_m": (-6.0, 6.0),
+    "rotor_noise_share": (0.0, 1.0),
 }
 
 
@@ -69,6 +70,13 @@ class CourseTricks:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class EstimateErrors:
+    """What makes the vehicle's estimate of its own motion worse."""
+
+    rotor_noise_share: float = 0.0  # of the rotors' noise of PX4's simulator (SIH); 1: as there
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Conditions:
     """Everything about a day that is not fine."""
 
@@ -76,6 +84,7 @@ class Conditions:
     light: Light = Light()
     camera: CameraFaults = CameraFaults()
     course: CourseTricks = CourseTricks()
+    estimate: EstimateErrors = EstimateErrors()
 
     def __post_init__(self) -> None:
         """Check what the ranges alone do not; raises UsageError."""
@@ -117,6 +126,7 @@ def parse_conditions(table: Mapping[str, Any], where: str) -> Conditions:
         "light": Light,
         "camera": CameraFaults,
         "course": CourseTricks,
+        "estimate": EstimateErrors,
     }
     for name, part in table.items():
         if name not in kinds:

@@ -234,7 +234,12 @@ class Simulation:
             return PerfectEstimator()
         imu = self._sensors.imu
         rng = np.random.default_rng([self.config.seed, ESTIMATE_STREAM])
-        return Estimator(rng, imu.gyro_bias_frd, imu.accelerometer_bias_frd)
+        return Estimator(
+            rng,
+            imu.gyro_bias_frd,
+            imu.accelerometer_bias_frd,
+            rotor_noise_share=self.config.conditions.estimate.rotor_noise_share,
+        )
 
 
 def _lay_out(config: SimulationConfig) -> Track:

@@ -54,6 +54,7 @@ class Drift:
     """The errors of position and velocity (NED) and of the attitude (small angles about NED)."""
 
     def __init__(self, noise: Iterator[float]) -> None:
+        self.aided_m = AIDED_M  # spread of the position's errors, horizontal and vertical
         self._noise = noise
         self._tilt = (TILT.std * next(noise), TILT.std * next(noise))
         self._heading = HEADING.std * next(noise)
@@ -86,10 +87,13 @@ class Drift:
             self._y += TICK_S * self._vy
         self._vz = (Z_DECAY if z_aided else 1.0) * self._vz + Z_KICK * next(noise)
         self._z = (PULL_Z if z_aided else 1.0) * self._z + TICK_S * self._vz
-        if heading_aided:
-            self._heading = HEADING_DECAY * self._heading + HEADING_KICK * next(noise)
+        self._advance_heading(aided=heading_aided)
+
+    def _advance_heading(self, *, aided: bool) -> None:
+        if aided:
+            self._heading = HEADING_DECAY * self._heading + HEADING_KICK * next(self._noise)
         else:
-            self._heading += HEADING_WALK * next(noise)
+            self._heading += HEADING_WALK * next(self._noise)
 
     @property
     def position_ned(self) -> Vector3:

@@ -7,10 +7,12 @@ they do while a filter aligns itself, and false once an aid has been missing for
 
 import numpy as np
 
+from sitl.frames import rotate
 from sitl.records import Estimate, Readings, Vector3, VehicleState
-from sitl.sensors.drift import AIDED_M, Drift, accuracy_m
+from sitl.sensors.drift import Drift, accuracy_m
 from sitl.sensors.gyro_filter import GyroFilter
 from sitl.sensors.noise import normals
+from sitl.sensors.shaken import ShakenDrift
 
 ATTITUDE_VALID_US = 200_000  # assumption: tilt alignment of a still vehicle
 ALTITUDE_VALID_US = 600_000  # assumption: barometer
@@ -43,10 +45,19 @@ class Estimator:
     """
 
     def __init__(
-        self, rng: np.random.Generator, gyro_bias_frd: Vector3, accelerometer_bias_frd: Vector3
+        self,
+        rng: np.random.Generator,
+        gyro_bias_frd: Vector3,
+        accelerometer_bias_frd: Vector3,
+        *,
+        rotor_noise_share: float = 0.0,
     ) -> None:
+        """Begin on the ground; a share above 0 lets that much of the rotors' noise in."""
         self._gyro_bias, self._accelerometer_bias = gyro_bias_frd, accelerometer_bias_frd
-        self._drift = Drift(normals(rng))
+        self._shaken: ShakenDrift | None = None
+        if rotor_noise_share > 0.0:
+            self._shaken = ShakenDrift(normals(rng), share=rotor_noise_share)
+        self._drift = self._shaken or Drift(normals(rng))
         self._gyro_filter = GyroFilter()
         self._validity = _Validity(aligned=False)
         self._located = True
@@ -65,13 +76,15 @@ class Estimator:
         if sensors.gps and not self._located:
             drift.restart_xy()
         self._located = flags[1] or state.time_us < POSITION_VALID_US
+        seen, sensed = self._previous or (state, readings)
+        self._previous = (state, readings)
+        if self._shaken is not None:
+            self._shaken.feel(*self._misread(seen, sensed))
         drift.advance(
             xy_aided=sensors.gps,
             z_aided=sensors.gps or sensors.barometer,
             heading_aided=sensors.magnetometer,
         )
-        seen, sensed = self._previous or (state, readings)
-        self._previous = (state, readings)
         return Estimate(
             state.time_us,
             _add(seen.position_ned, drift.position_ned),
@@ -82,7 +95,16 @@ class Estimator:
             *flags,
             sensors,
             readings.battery,
-            AIDED_M if sensors.gps else self._validity.accuracy_m(state.time_us),
+            drift.aided_m if sensors.gps else self._validity.accuracy_m(state.time_us),
+        )
+
+    def _misread(self, seen: VehicleState, sensed: Readings) -> tuple[Vector3, Vector3]:
+        """Give the noise of specific force and body rates, turned into NED."""
+        force = _subtract(sensed.specific_force_frd, seen.specific_force_frd)
+        rates = _subtract(sensed.rates_frd, seen.rates_frd)
+        return (
+            rotate(seen.q_ned_frd, _subtract(force, self._accelerometer_bias)),
+            rotate(seen.q_ned_frd, _subtract(rates, self._gyro_bias)),
         )
 
 

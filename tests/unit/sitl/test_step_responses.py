@@ -16,6 +16,7 @@ from typing import NamedTuple
 import pytest
 
 from sitl.clock import Schedule
+from sitl.conditions import Conditions
 from sitl.records import Estimate, Vector3
 from sitl.simulation import Simulation, SimulationConfig
 from sitl.vehicle_records import OffboardSetpoint
@@ -23,6 +24,7 @@ from sitl.vehicle_records import OffboardSetpoint
 WIDER = 0.15
 RUNS = 5
 ZERO: Vector3 = (0.0, 0.0, 0.0)
+FINE_DAY = Conditions()
 
 
 class Bands(NamedTuple):
@@ -69,8 +71,8 @@ STEPS = {
 class Run:
     """One vehicle in a hover at 10 m, steered by a stream of body velocities."""
 
-    def __init__(self, seed: int) -> None:
-        self.simulation = Simulation(SimulationConfig(seed=seed))
+    def __init__(self, seed: int, conditions: Conditions = FINE_DAY) -> None:
+        self.simulation = Simulation(SimulationConfig(seed=seed, conditions=conditions))
         self.simulation.start_airborne((0.0, 0.0, -10.0), 0.0)
         self._setpoints, self._samples = Schedule(20), Schedule(50)
 
