@@ -47,7 +47,7 @@ class Ended:
 
 def run(command: list[str], *, timeout_s: float, cwd: Path = ROOT) -> Ended:
     """Run to the end; a process that outlives the deadline is killed and fails the test."""
-    ended = subprocess.run(
+    finished = subprocess.run(
         command,
         cwd=cwd,
         env=ENVIRONMENT | {"PYTHONPATH": str(ROOT)},
@@ -57,7 +57,7 @@ def run(command: list[str], *, timeout_s: float, cwd: Path = ROOT) -> Ended:
         timeout=timeout_s,
         check=False,
     )
-    return Ended(code=ended.returncode, stdout=ended.stdout, stderr=ended.stderr)
+    return Ended(code=finished.returncode, stdout=finished.stdout, stderr=finished.stderr)
 
 
 def run_module(module: str, *options: str, timeout_s: float = 60.0) -> Ended:
@@ -66,8 +66,21 @@ def run_module(module: str, *options: str, timeout_s: float = 60.0) -> Ended:
 
 
 @contextlib.contextmanager
+def ended(running: subprocess.Popen[bytes]) -> Iterator[subprocess.Popen[bytes]]:
+    """Terminate, then kill, on the way out."""
+    with running:
+        try:
+            yield running
+        finally:
+            running.terminate()
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                running.wait(10.0)
+            running.kill()
+
+
+@contextlib.contextmanager
 def process(module: str, *options: str, log: Path) -> Iterator[subprocess.Popen[bytes]]:
-    """Start `python -m module`, both outputs into `log`; terminate, then kill, on the way out."""
+    """Start `python -m module`, both outputs into `log`; it ends on the way out."""
     with log.open("wb") as output:
         running = subprocess.Popen(
             [sys.executable, "-m", module, *options],
@@ -77,14 +90,8 @@ def process(module: str, *options: str, log: Path) -> Iterator[subprocess.Popen[
             stdout=output,
             stderr=subprocess.STDOUT,
         )
-        try:
+        with ended(running):
             yield running
-        finally:
-            running.terminate()
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                running.wait(10.0)
-            running.kill()
-            running.wait()
 
 
 @contextlib.contextmanager

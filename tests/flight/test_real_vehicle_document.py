@@ -22,7 +22,7 @@ from tests.flight.bare_vehicle import (
     bare_vehicle,
     indoors,
 )
-from tests.flight.processes import ENVIRONMENT, ROOT
+from tests.flight.processes import ENVIRONMENT, ROOT, Ended, ended
 
 pytestmark = pytest.mark.flight
 DOCUMENT = ROOT / "docs" / "real-vehicle.md"
@@ -33,6 +33,7 @@ COMMANDS = [
 ]
 SPEED = "--speed-factor=3"
 FLIGHT_S = 120.0  # wall time
+UP = "/stream"  # the vehicle's first line ends with where its camera is
 WAITING = "waiting until the vehicle can be armed"
 # By the name of the log: the exit code, and what the companion says.
 ENDINGS = {
@@ -53,27 +54,34 @@ class FlightDay:
         self._vehicle = contextlib.ExitStack()
         self._substitutes: dict[str, str] = {}
 
-    def run(self, command: str) -> None:
+    def run(self, command: str) -> Ended:
+        """What came of a command; of a vehicle, which flies on: that it has come up."""
         if "-m sitl" in command:
-            self._start_vehicle(command)
-        elif "-m flightstack.companion" in command:
-            self._fly(command)
-        else:
-            with _ended(self._shell(command, subprocess.PIPE)) as shell:
-                said = shell.communicate(timeout=60)[0].decode()
-            assert shell.returncode == 0, said
+            return self._start_vehicle(command)
+        if "-m flightstack.companion" in command:
+            return self._fly(command)
+        with ended(self._shell(command, subprocess.PIPE)) as shell:
+            said = shell.communicate(timeout=60)[0].decode()
+        return Ended(code=shell.returncode, stdout=said, stderr="")
 
     def end_vehicle(self) -> None:
         self._vehicle.close()
 
-    def _start_vehicle(self, command: str) -> None:
+    def _start_vehicle(self, command: str) -> Ended:
         self.end_vehicle()
         instance = self._vehicle.enter_context(free_instance())
         local, remote = (port + instance for port in GROUND_STATION_PORTS)
         place = (f"--instance={instance}", f"--gcs-link={local}:{remote}", "--noise=0,0", SPEED)
-        vehicle = self._shell(" ".join((command, *place)), subprocess.DEVNULL)
-        self._vehicle.enter_context(_ended(vehicle))
+        output = self.folder / "simulator.txt"
+        vehicle = self._shell(f"{' '.join((command, *place))} 2> {output}", subprocess.DEVNULL)
+        self._vehicle.enter_context(ended(vehicle))
         self._substitutes = {"14540": str(API_PORT + instance)}
+        deadline_s = time.monotonic() + FLIGHT_S
+        while not output.exists() or UP not in output.read_text():
+            assert vehicle.poll() is None, command
+            assert time.monotonic() < deadline_s
+            time.sleep(0.1)
+        return Ended(code=0, stdout=output.read_text(), stderr="")
 
     def _meet_vehicle(self, command: str) -> None:
         """Have the simulator stand where the command expects a real vehicle."""
@@ -89,24 +97,18 @@ class FlightDay:
         camera = re.findall(r"--camera (\S+)", command)[0]
         self._substitutes[f"--camera {camera}"] = f"--camera {met.camera}"
 
-    def _fly(self, command: str) -> None:
+    def _fly(self, command: str) -> Ended:
         if "--camera" in command:
             self._meet_vehicle(command)
-        name = re.findall(r"--log logs/(\w+)\.tlog", command)[0]
-        code, words = ENDINGS[name]
-        with _ended(self._shell(command, subprocess.PIPE)) as companion:
+        name = name_of(command)
+        with ended(self._shell(command, subprocess.PIPE)) as companion:
             said = ""
             if name == "bench":
                 said = _read_until(companion, WAITING)
                 self._wait_for_pictures(name, 100)
                 companion.send_signal(signal.SIGINT)
             said += companion.communicate(timeout=FLIGHT_S)[0].decode()
-        assert companion.returncode == code, said
-        assert words in said
-        assert ("arming" in said) == (name != "bench")
-        assert (self.folder / "logs" / f"{name}.tlog").stat().st_size > 10_000
-        recorded = "--record-frames" in command
-        assert (self.folder / "logs" / f"{name}.frames").exists() == recorded
+        return Ended(code=companion.returncode, stdout=said, stderr="")
 
     def _wait_for_pictures(self, name: str, count: int) -> None:
         folder = self.folder / "logs" / f"{name}.frames"
@@ -129,6 +131,11 @@ class FlightDay:
         )
 
 
+def name_of(command: str) -> str:
+    """The name of a flight's log."""
+    return str(re.findall(r"--log logs/(\w+)\.tlog", command)[0])
+
+
 def _read_until(running: subprocess.Popen[bytes], text: str) -> str:
     assert running.stdout is not None
     said = ""
@@ -145,19 +152,6 @@ def _read_until(running: subprocess.Popen[bytes], text: str) -> str:
     return said
 
 
-@contextlib.contextmanager
-def _ended(running: subprocess.Popen[bytes]) -> Iterator[subprocess.Popen[bytes]]:
-    """Terminate, then kill, on the way out."""
-    with running:
-        try:
-            yield running
-        finally:
-            running.terminate()
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                running.wait(10.0)
-            running.kill()
-
-
 @pytest.fixture(scope="module")
 def day(tmp_path_factory: pytest.TempPathFactory) -> Iterator[FlightDay]:
     flight_day = FlightDay(tmp_path_factory.mktemp("day"))
@@ -167,7 +161,18 @@ def day(tmp_path_factory: pytest.TempPathFactory) -> Iterator[FlightDay]:
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_command_does_what_the_page_says(command: str, day: FlightDay) -> None:
-    day.run(command)
+    came = day.run(command)
+    if "-m flightstack.companion" not in command:
+        assert came.code == 0, came.stdout
+        return
+    name = name_of(command)
+    code, words = ENDINGS[name]
+    assert came.code == code, came.stdout
+    assert words in came.stdout
+    assert ("arming" in came.stdout) == (name != "bench")
+    assert (day.folder / "logs" / f"{name}.tlog").stat().st_size > 10_000
+    recorded = "--record-frames" in command
+    assert (day.folder / "logs" / f"{name}.frames").exists() == recorded
 
 
 def test_no_flight_of_the_page_is_left_out() -> None:
