@@ -23,9 +23,8 @@ from flightstack.logs.framing import (
     holds_checksum,
     record_times,
 )
-from flightstack.logs.source import Source
+from flightstack.logs.source import WINDOW_BYTES, Source
 
-STRETCH_BYTES = 1 << 20  # with all that is made of it, it fits the caches
 FOLLOWS, BEGINS = 1, 2  # marks of a byte: a time after a record ends here, a record starts here
 
 
@@ -43,7 +42,7 @@ def _without_strays(position: Positions, end: Positions) -> NDArray[np.bool_]:
 def _chained(position: Positions, end: Positions, marks: Bytes) -> NDArray[np.intp]:
     """Return the rows of those that stand in a chain of records from byte 0 on.
 
-    `marks` has room for the stretch, a time and one byte more, where the last record may end.
+    `marks` has room for the window, a time and one byte more, where the last record may end.
     """
     marks.fill(0)
     marks[end + TIMESTAMP] = FOLLOWS
@@ -59,14 +58,14 @@ def _is_unbroken(position: Positions, end: Positions) -> bool:
     return opens_first and bool((position[1:] == end[:-1] + TIMESTAMP).all())
 
 
-def _wanted(found: Candidates, msgids: list[int]) -> NDArray[np.bool_]:
-    """Return which candidates have one of these ids and may be whole."""
+def _wanted(found: Candidates, msgids: list[int]) -> NDArray[np.intp]:
+    """Return the rows of the candidates that have one of these ids and may be whole."""
     tables = framing_tables()
     asked = np.zeros(len(tables.ids) + 1, dtype=np.bool_)  # one more: row -1 is unknown
-    asked[:-1] = np.isin(tables.ids, msgids)
-    wanted: NDArray[np.bool_] = asked[found.row]
-    wanted &= found.is_v2 | (found.length <= tables.size[found.row])
-    return wanted
+    asked[np.searchsorted(tables.ids, msgids)] = True
+    rows = np.flatnonzero(asked.take(found.row))
+    fits = found.is_v2[rows] | (found.length[rows] <= tables.size[found.row[rows]])
+    return rows[fits]
 
 
 def _in_window(
@@ -88,7 +87,8 @@ def _in_window(
         return None
     in_chain = np.zeros(len(end), dtype=np.bool_)
     in_chain[rows] = True
-    wanted = np.flatnonzero(_wanted(found, msgids) & (found.position < stop))
+    wanted = _wanted(found, msgids)
+    wanted = wanted[found.position[wanted] < stop]
     asked = found.take(wanted)
     holds = holds_checksum(data, asked)
     if not np.array_equal(holds, in_chain[wanted]):
@@ -100,7 +100,7 @@ def _in_window(
 
 
 def find_chained(
-    source: Source, msgids: list[int], stretch_bytes: int = STRETCH_BYTES
+    source: Source, msgids: list[int], window_bytes: int = WINDOW_BYTES
 ) -> Frames | None:
     """Return the frames with these ids, all of them known, in file order.
 
@@ -108,11 +108,11 @@ def find_chained(
     """
     parts: list[Frames] = []
     clock = RunningClock()
-    marks = np.empty(stretch_bytes + TIMESTAMP + 1, dtype=np.uint8)  # once, not a window
+    marks = np.empty(window_bytes + TIMESTAMP + 1, dtype=np.uint8)  # once, not a window
     edge = 0
     while edge < source.size:
-        data = source.read(edge, edge + stretch_bytes)
-        found = _in_window(data, msgids, marks, is_last=edge + stretch_bytes >= source.size)
+        data = source.read(edge, edge + window_bytes)
+        found = _in_window(data, msgids, marks, is_last=edge + window_bytes >= source.size)
         if found is None or not clock.runs_on(found[1]):
             return None
         frames, _, stop = found

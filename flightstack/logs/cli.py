@@ -3,15 +3,16 @@
 import argparse
 import gc
 import importlib
-import json
 import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from flightstack.errors import FlightstackError
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 DESCRIPTION = "Inspect MAVLink logs (tlogs). A bare path gives the summary."
 PROGRAM = "python -m flightstack.logs"
@@ -21,9 +22,15 @@ KEPT_BYTES = 16 << 20
 HELP_WIDTH = 78  # where no terminal says how wide it is
 
 
+def _path(text: str) -> "Path":
+    from pathlib import Path  # noqa: PLC0415  # takes 4 ms, and few need it
+
+    return Path(text)
+
+
 def _add_summary(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("paths", nargs="+", type=Path, metavar="PATH", help="logs, or folders")
-    parser.add_argument("--checks", type=Path, metavar="FILE", help="your own checks, in Python")
+    parser.add_argument("paths", nargs="+", type=_path, metavar="PATH", help="logs, or folders")
+    parser.add_argument("--checks", type=_path, metavar="FILE", help="your own checks, in Python")
 
 
 def _add_params(parser: argparse.ArgumentParser) -> None:
@@ -47,7 +54,7 @@ def _add_dump(parser: argparse.ArgumentParser) -> None:
     add("--reduce-rate", type=float, default=0.0, metavar="HZ", help="at most so many of a type")
     add("--from", dest="start", type=float, metavar="S", help="seconds since the log's start")
     add("--to", dest="end", type=float, metavar="S", help="seconds since the log's start")
-    add("-o", "--output", type=Path, metavar="TLOG", help="write matching records to a tlog")
+    add("-o", "--output", type=_path, metavar="TLOG", help="write matching records to a tlog")
     add("-q", "--quiet", action="store_true", help="print nothing")
     add("--robust", action="store_true", help="accepted for mavlogdump's sake: always so")
     add("--no-bad-data", action="store_true", help="accepted for mavlogdump's sake: always so")
@@ -56,34 +63,34 @@ def _add_dump(parser: argparse.ArgumentParser) -> None:
 def _add_plot(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("fields", nargs="+", metavar="FIELD", help='such as ATTITUDE.roll or "degrees(VFR_HUD.x)"')
-    add("-o", "--output", type=Path, metavar="FILE", help="PNG or SVG; default beside the log")
+    add("-o", "--output", type=_path, metavar="FILE", help="PNG or SVG; default beside the log")
     add("--from", dest="start", type=float, metavar="S", help="seconds since the log's start")
     add("--to", dest="end", type=float, metavar="S", help="seconds since the log's start")
 
 
 def _add_report(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
-    add("-o", "--output", type=Path, metavar="HTML", help="default beside the log")
-    add("--frames", type=Path, metavar="FOLDER", help="recorded frames; default LOG.frames")
-    add("--checks", type=Path, metavar="FILE", help="your own checks, in Python")
+    add("-o", "--output", type=_path, metavar="HTML", help="default beside the log")
+    add("--frames", type=_path, metavar="FOLDER", help="recorded frames; default LOG.frames")
+    add("--checks", type=_path, metavar="FILE", help="your own checks, in Python")
 
 
 def _add_check(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--checks", type=Path, metavar="FILE", help="your own checks, in Python")
+    parser.add_argument("--checks", type=_path, metavar="FILE", help="your own checks, in Python")
     parser.add_argument("--strict", action="store_true", help="exit 1 if a check finds an error")
 
 
 def _add_why(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--seconds", type=float, default=2.0, metavar="S", help="how far to look back")
-    add("--frames", type=Path, metavar="FOLDER", help="recorded frames; default LOG.frames")
-    add("-o", "--output", type=Path, metavar="PNG", help="draw the strip")
+    add("--frames", type=_path, metavar="FOLDER", help="recorded frames; default LOG.frames")
+    add("-o", "--output", type=_path, metavar="PNG", help="draw the strip")
 
 
 def _add_export(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--format", choices=("csv", "parquet", "mcap"), help="default: by the output's ending")
-    add("-o", "--output", type=Path, metavar="PATH", help="file (MCAP) or folder (CSV, Parquet)")
+    add("-o", "--output", type=_path, metavar="PATH", help="file (MCAP) or folder (CSV, Parquet)")
     add("--types", metavar="A,B", help="message types, comma separated, with wildcards")
 
 
@@ -96,7 +103,7 @@ def _add_follow(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_compare(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("other", type=Path, metavar="OTHER")
+    parser.add_argument("other", type=_path, metavar="OTHER")
 
 
 class Command(NamedTuple):
@@ -152,7 +159,7 @@ def build_parser(names: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
             name, help=command.about, description=command.about, formatter_class=_Formatter
         )
         if command.takes_log:
-            options.add_argument("log", type=Path, metavar="LOG")
+            options.add_argument("log", metavar="LOG")
         options.add_argument("--json", action="store_true", help="for programs")
         options.add_argument("--system", type=int, metavar="N", help="the vehicle's system id")
         if command.add_options is not None:
@@ -204,6 +211,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 130
     except FlightstackError as error:
         if getattr(parsed, "json", False):
+            import json  # noqa: PLC0415  # --help needs none
+
             print(json.dumps({"error": str(error)}))
         print(f"error: {error}", file=sys.stderr)
         return error.exit_code

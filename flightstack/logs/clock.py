@@ -1,6 +1,6 @@
 """Mend the times of a log's records, and find where its clock jumps."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,7 @@ JUMP_AHEAD_US = 60_000_000  # a minute of silence: the clock jumped, or logging 
 Times = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ClockJump:
+class ClockJump(NamedTuple):
     """A place where time runs backwards, or leaps ahead."""
 
     row: int  # first frame after the jump

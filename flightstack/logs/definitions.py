@@ -9,11 +9,10 @@ time. Without a folder that can be written to, the dialect is imported each time
 import importlib
 import json
 import os
-from dataclasses import astuple, dataclass
 from functools import cache
 from importlib.util import find_spec
-from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+from zlib import crc32
 
 NUMPY_FORMATS = {
     "b": "i1",
@@ -27,19 +26,25 @@ NUMPY_FORMATS = {
     "f": "<f4",
     "d": "<f8",
 }
-FORMAT = 1  # of the cache's file; raise it when Definition changes
+FORMAT = 2  # of the cache's file; raise it when Definition changes
 DIALECT = "dialects/v20/all.py"
 
 
-@dataclass(frozen=True, slots=True)
-class Definition:
-    """One message; made of what JSON can hold."""
+class Definition(NamedTuple):
+    """One message. Its fields are parsed where they are asked for: few logs hold many messages."""
 
     name: str
     crc_extra: int
     size: int  # bytes of an untrimmed payload, extensions included
-    wire: list[list[Any]]  # in wire order: name, numpy format, number of elements
-    fields: list[list[Any]]  # in the order of the definition: the values of dialect.Field
+    layout: str  # JSON of wire and fields
+
+    def wire_and_fields(self) -> tuple[list[list[Any]], list[list[Any]]]:
+        """Return the fields as they lie on the wire, then in the order of the definition.
+
+        First as name, numpy format and number of elements, then as the values of dialect.Field.
+        """
+        wire, fields = json.loads(self.layout)
+        return wire, fields
 
 
 def mavlink() -> Any:
@@ -80,8 +85,7 @@ def from_pymavlink() -> dict[int, Definition]:
             name=definition.msgname,
             crc_extra=definition.crc_extra,
             size=definition.unpacker.size,
-            wire=_wire(definition),
-            fields=_fields(definition),
+            layout=json.dumps([_wire(definition), _fields(definition)], separators=(",", ":")),
         )
         for msgid, definition in mavlink().mavlink_map.items()
     }
@@ -96,34 +100,40 @@ def _dialect_stamp() -> list[Any]:
     return [FORMAT, path, status.st_size, status.st_mtime_ns]
 
 
-def cache_file() -> Path:
-    """Return where the definitions are kept; RuntimeError where the user has no home."""
-    folder = os.environ.get("XDG_CACHE_HOME")
-    return (Path(folder) if folder else Path.home() / ".cache") / "flightstack/definitions.json"
+def cache_file() -> str:
+    """Return where the definitions are kept."""
+    folder = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    return os.path.expanduser(f"{folder}/flightstack/definitions.txt")  # noqa: PTH111
 
 
 def _kept(stamp: list[Any]) -> dict[int, Definition] | None:
     """Return the definitions in the cache, None where there are none of this dialect."""
     try:
-        kept = json.loads(cache_file().read_bytes())
-        if kept["stamp"] != stamp:
+        with open(cache_file(), encoding="utf-8") as file:  # noqa: PTH123
+            head, lines = file.readline(), file.read()
+        if json.loads(head) != [*stamp, crc32(lines.encode())]:
             return None
-        return {int(msgid): Definition(*values) for msgid, values in kept["messages"].items()}
-    except (OSError, RuntimeError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError):
         return None  # none yet, or not what was written: they are made anew
+    kept = {}
+    for line in lines.splitlines():
+        msgid, name, crc_extra, size, layout = line.split("\t")
+        kept[int(msgid)] = Definition(name, int(crc_extra), int(size), layout)
+    return kept
 
 
 def _keep(definitions: dict[int, Definition], stamp: list[Any]) -> None:
     """Write the cache as a whole, so that another process never reads half of it."""
-    messages = {msgid: astuple(definition) for msgid, definition in definitions.items()}
-    text = json.dumps({"stamp": stamp, "messages": messages}, separators=(",", ":"))
+    rows = ((msgid, *definition) for msgid, definition in definitions.items())
+    lines = "".join("\t".join(map(str, row)) + "\n" for row in rows)
+    path = cache_file()
+    part = f"{path}.{os.getpid()}"
     try:
-        path = cache_file()
-        path.parent.mkdir(parents=True, exist_ok=True)
-        part = path.with_suffix(f".{os.getpid()}")
-        part.write_text(text)
-        part.replace(path)
-    except (OSError, RuntimeError):
+        os.makedirs(os.path.dirname(path), exist_ok=True)  # noqa: PTH103, PTH120
+        with open(part, "w", encoding="utf-8") as file:  # noqa: PTH123
+            file.write(json.dumps([*stamp, crc32(lines.encode())]) + "\n" + lines)
+        os.replace(part, path)  # noqa: PTH105
+    except OSError:
         return  # it is only slower without
 
 

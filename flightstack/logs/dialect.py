@@ -6,7 +6,7 @@ definition, extensions last.
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +18,8 @@ from flightstack.logs.nearest import did_you_mean
 MSGID_LIMIT = 1 << 24  # message ids of MAVLink 2 have 24 bits
 
 
-@dataclass(frozen=True, slots=True)
-class Field:
-    """One field of a message: what it is called, counted in, and how it lies on the wire.
-
-    The order of these values is that in Definition.fields.
-    """
+class Field(NamedTuple):
+    """One field of a message: what it is called, counted in, and how it lies on the wire."""
 
     name: str
     unit: str  # as MAVLink writes it, "" where it has none
@@ -65,13 +61,14 @@ def message_type(msgid: int) -> MessageType | None:
     definition = definitions().get(msgid)
     if definition is None:
         return None
+    wire, fields = definition.wire_and_fields()
     return MessageType(
         id=msgid,
         name=definition.name,
         crc_extra=definition.crc_extra,
         size=definition.size,
-        dtype=_layout(definition.wire),
-        fields=tuple(Field(*values) for values in definition.fields),
+        dtype=_layout(wire),
+        fields=tuple(Field(*values) for values in fields),
     )
 
 
@@ -100,8 +97,7 @@ def message_id(name: str) -> int:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class FramingTables:
+class FramingTables(NamedTuple):
     """What framing must know of every id, for vectorised look-up."""
 
     ids: NDArray[np.uint32]  # sorted

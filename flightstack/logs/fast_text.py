@@ -2,8 +2,8 @@
 
 Text is a matrix of bytes, one row a line, in which NULs stand for nothing: `text_of` drops them
 all at once. Numbers are written row by row into one string, then cut at its commas into cells of
-one width, each with room before it for the constant text between columns. Numbers look as `str`
-writes them; orjson writes them fifteen times faster, where it is installed and where it agrees.
+one width, which are laid into lines of constant text. Numbers look as `str` writes them; orjson
+writes them fifteen times faster, where it is installed and where it agrees.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,7 +18,7 @@ Part = str | NDArray[np.generic]  # what a line is made of: a constant, (n,) num
 ONE_DIGIT = (1e-10, 1e-5)  # between these orjson writes e-7 where `str` writes e-07
 NO_EXPONENT = (1e-5, 1e-4)  # between these orjson writes no exponent, but `str` does
 LONGEST_NUMBER = 24  # -2.2250738585072014e-308
-WORD = 8  # widths of cells are multiples of it, so that whole words are copied
+WORD = 8  # widths are multiples of it, so that whole words are copied
 
 
 def _listed_by_repr(values: NDArray[np.generic]) -> bytes:
@@ -43,36 +43,38 @@ def from_texts(values: Sequence[str]) -> Bytes:
     return array.view(np.uint8).reshape(-1, width) if len(array) else np.empty((0, 1), np.uint8)
 
 
-def _cells(listed: bytes, room: int) -> Bytes:
-    """Return the values of a list, one a row, with this much room before each."""
-    flat = np.frombuffer(listed, dtype=np.uint8)
-    ends = np.append(np.flatnonzero(flat == ord(",")), len(flat) - len("]"))
+def _masks() -> NDArray[np.uint64]:
+    """Return the masks that leave n bytes of a cell, for every n that there may be."""
+    is_text = np.arange(LONGEST_NUMBER) < np.arange(LONGEST_NUMBER + 1)[:, None]
+    return (is_text * np.uint8(0xFF)).view(np.uint64)
+
+
+def _cells(listed: bytes) -> Bytes:
+    """Return the values of a list, one a row."""
+    flat = np.frombuffer(listed + bytes(LONGEST_NUMBER), dtype=np.uint8)
+    ends = np.append(np.flatnonzero(flat == ord(",")), len(listed) - len("]"))
     starts = np.append(len("["), ends[:-1] + len(","))
-    width = -(-(room + LONGEST_NUMBER) // WORD) * WORD
-    padded = np.frombuffer(b"".join((bytes(room), listed, bytes(width))), dtype=np.uint8)
-    every_row = np.ndarray((len(padded) - width + 1,), f"V{width}", buffer=padded, strides=(1,))
-    cells: Bytes = every_row[starts].view(np.uint8).reshape(len(starts), width)
-    place = np.arange(width) - room
-    is_text = (place >= 0) & (place < np.arange(LONGEST_NUMBER + 1)[:, None])
-    masks = (is_text * np.uint8(0xFF)).view(np.uint64)
+    every_row = np.ndarray((len(listed) + 1,), f"V{LONGEST_NUMBER}", buffer=flat, strides=(1,))
+    cells: Bytes = every_row[starts].view(np.uint8).reshape(len(starts), LONGEST_NUMBER)
     words = cells.view(np.uint64)
-    words &= masks.take(ends - starts, axis=0)
+    words &= _masks().take(ends - starts, axis=0)
     return cells
 
 
 def _rewrite(cells: Bytes, values: NDArray[np.float64]) -> None:
     """Write numbers anew where `str` and orjson differ; NaN and the infinities are zeros so far."""
     size = np.abs(values)
-    for (least, most), rewritten in REWRITTEN:
-        rows = np.flatnonzero((size >= least) & (size < most))
-        if len(rows):
-            cells[rows] = rewritten(cells[rows])
-    special = np.flatnonzero(~np.isfinite(values))
+    special = np.flatnonzero(~(size < np.inf))
     if len(special):
         words = from_texts(["nan", "inf", "-inf"])
         which = np.where(np.isnan(values[special]), 0, np.where(values[special] > 0, 1, 2))
         cells[special] = 0
         cells[special, : words.shape[1]] = words[which]
+    small = np.flatnonzero(size < NO_EXPONENT[1])
+    for (least, most), rewritten in REWRITTEN:
+        rows = small[(size[small] >= least) & (size[small] < most)]
+        if len(rows):
+            cells[rows] = rewritten(cells[rows])
 
 
 def _with_exponent(numbers: Bytes) -> Bytes:
@@ -110,16 +112,22 @@ def _numbers(prefixes: Sequence[str], columns: Sequence[NDArray[np.generic]], ki
             values[:, index] = column
     flat = values.reshape(-1)
     finite = np.isfinite(flat)
-    encoded = from_texts(prefixes)
-    room = encoded.shape[1]
-    cells = _cells(_listed(flat if finite.all() else np.where(finite, flat, 0)), room)
+    cells = _cells(_listed(flat if finite.all() else np.where(finite, flat, 0)))
     if kind == "f8":
-        _rewrite(cells[:, room : room + LONGEST_NUMBER], values.reshape(-1))
-    constant = np.zeros((len(columns), cells.shape[1]), dtype=np.uint8)
-    constant[:, :room] = encoded
-    lines = cells.reshape(len(values), -1)
-    words = lines.view(np.uint64)
-    words |= constant.reshape(-1).view(np.uint64)
+        _rewrite(cells, flat.view(np.float64))
+    return _laid_out(prefixes, cells)
+
+
+def _laid_out(prefixes: Sequence[str], cells: Bytes) -> Bytes:
+    """Return lines of cells, as many in each as there are prefixes, one before each cell."""
+    constants = from_texts(prefixes)
+    room = -(-constants.shape[1] // WORD) * WORD
+    line = np.zeros((len(prefixes), room + LONGEST_NUMBER), dtype=np.uint8)
+    line[:, : constants.shape[1]] = constants
+    lines = np.tile(line.reshape(-1), (len(cells) // len(prefixes), 1))
+    to, words = lines.view(np.uint64).reshape(len(cells), -1), cells.view(np.uint64)
+    for index in range(LONGEST_NUMBER // WORD):
+        to[:, room // WORD + index] = words[:, index]
     return lines
 
 

@@ -7,7 +7,7 @@ ends) beats one that overlaps it, and a version 1 frame that stands alone must h
 time or the full length of its message (version 2 headers are too specific to arise by chance).
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,8 +36,7 @@ Bytes = NDArray[np.uint8]
 Positions = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Candidates:
+class Candidates(NamedTuple):
     """Places where a header of a known message stands whole, in order of position."""
 
     position: Positions
@@ -48,13 +47,7 @@ class Candidates:
 
     def take(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> "Candidates":
         """Return the candidates of these rows."""
-        return Candidates(
-            self.position[rows],
-            self.is_v2[rows],
-            self.is_signed[rows],
-            self.length[rows],
-            self.row[rows],
-        )
+        return Candidates._make(column[rows] for column in self)
 
     @property
     def checksum_at(self) -> Positions:

@@ -7,8 +7,7 @@ in the order of the log.
 import json
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,13 +17,14 @@ from flightstack.logs.errors import UnknownNameError
 from flightstack.logs.log import Log
 from flightstack.logs.table import Table
 
-CHUNK = 4_000  # frames whose lines are made at once: their text fits the caches
+CHUNK = (
+    6_000  # frames whose lines are made at once: fewer take longer a line, more leave the caches
+)
 Text = fast_text.Bytes | list[bytes]  # the lines of one type: as a matrix, or each by itself
 HUNDREDTHS = fast_text.from_texts([f"{number:02d}" for number in range(100)])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LineOptions:
+class LineOptions(NamedTuple):
     """How lines look."""
 
     format: str = "standard"  # or "json", "csv"

@@ -4,14 +4,13 @@ import re
 from collections.abc import Iterable, Iterator
 from fnmatch import fnmatchcase
 from os import PathLike
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs import clock
 from flightstack.logs.boot_clock import times_since_boot_us
-from flightstack.logs.chain import STRETCH_BYTES, find_chained
+from flightstack.logs.chain import find_chained
 from flightstack.logs.dialect import ids_by_name, message_id
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.frames import IS_UNKNOWN, NO_TIME, Frames, join
@@ -57,9 +56,7 @@ def _read_whole(source: Source, window_bytes: int = WINDOW_BYTES) -> Log:
 def _read_types(source: Source, patterns: Iterable[str], window_bytes: int) -> Log | None:
     """Return the log with frames of these types, None where it has to be read whole for them."""
     msgids = _known_ids(patterns)
-    frames = (
-        None if msgids is None else find_chained(source, msgids, min(window_bytes, STRETCH_BYTES))
-    )
+    frames = None if msgids is None else find_chained(source, msgids, window_bytes)
     if frames is None:
         return None
     return Log(source, frames, frames.time_us, lambda: _read_whole(source, window_bytes))
@@ -81,7 +78,7 @@ def read(
     The file is read in windows, so that memory is bounded by the index (26 bytes a frame) and by
     what is asked for. Raises LogFileError, one line that says what to do, for what is no log.
     """
-    source = open_source(Path(path))
+    source = open_source(path)
     patterns = None if types is None else list(types)
     log = None if patterns is None else _read_types(source, patterns, window_bytes)
     if log is None:
@@ -104,7 +101,7 @@ def read_windows(
     window_bytes: int = WINDOW_BYTES,
 ) -> Iterator[Log]:
     """Yield the log in pieces, one a window: memory stays bounded whatever the log's size."""
-    source = open_source(Path(path))
+    source = open_source(path)
     patterns = None if types is None else list(types)
     for frames in scan(source, window_bytes):
         if len(frames):

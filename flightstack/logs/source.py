@@ -1,9 +1,8 @@
 """Read the bytes of a log in windows of bounded size, and say what a file is that is no log."""
 
+import os
 from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,26 +39,19 @@ class Source(Protocol):
         """Return the bytes from start to stop, fewer where the log ends."""
 
 
-@dataclass(frozen=True, slots=True)
-class FileSource:
+class FileSource(NamedTuple):
     """A log in a file; `size` is what it was when the file was opened."""
 
-    path: Path
+    name: str  # its path
     size: int
-
-    @property
-    def name(self) -> str:
-        """The file's path."""
-        return str(self.path)
 
     def read(self, start: int, stop: int) -> NDArray[np.uint8]:
         """Return the bytes from start to stop, fewer where the file ends."""
         count = max(0, min(stop, self.size) - start)
-        return np.fromfile(self.path, dtype=np.uint8, count=count, offset=start)
+        return np.fromfile(self.name, dtype=np.uint8, count=count, offset=start)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class MemorySource:
+class MemorySource(NamedTuple):
     """A log in memory."""
 
     data: NDArray[np.uint8]
@@ -88,26 +80,24 @@ def windows(source: Source, window_bytes: int = WINDOW_BYTES) -> Iterator[NDArra
         yield source.read(start, start + window_bytes)
 
 
-def mistaken_kind(path: Path) -> str | None:
-    """Return what a file is that is surely no MAVLink log, None where it may be one."""
-    with path.open("rb") as file:
-        head = file.read(16)
-    return next((kind for magic, kind in MISTAKEN.items() if head.startswith(magic)), None)
-
-
-def open_source(path: Path) -> Source:
+def open_source(path: str | os.PathLike[str]) -> Source:
     """Return the file as a source; LogFileError says in one line why it cannot be one."""
-    if path.is_dir():
-        raise LogFileError(f"{path} is a folder: name a .tlog in it, or let summary read them all")
+    name = os.fspath(path)
     try:
-        kind = mistaken_kind(path)
-        size = path.stat().st_size
+        with open(name, "rb") as file:  # noqa: PTH123  # a Path takes longer to import
+            head = file.read(16)
+            size = os.fstat(file.fileno()).st_size
+    except IsADirectoryError:
+        raise LogFileError(
+            f"{name} is a folder: name a .tlog in it, or let summary read them all"
+        ) from None
     except FileNotFoundError:
-        raise LogFileError(f"{path}: no such file") from None
+        raise LogFileError(f"{name}: no such file") from None
     except OSError as error:
-        raise LogFileError(f"{path} cannot be read: {error.strerror}") from error
+        raise LogFileError(f"{name} cannot be read: {error.strerror}") from error
+    kind = next((kind for magic, kind in MISTAKEN.items() if head.startswith(magic)), None)
     if kind is not None:
-        raise LogFileError(f"{path} is {kind}")
+        raise LogFileError(f"{name} is {kind}")
     if size == 0:
-        raise LogFileError(f"{path} is empty: nothing was logged")
-    return FileSource(path, size)
+        raise LogFileError(f"{name} is empty: nothing was logged")
+    return FileSource(name, size)

@@ -24,6 +24,10 @@ from pymavlink.dialects.v20 import all as mavlink
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from flightstack.logs import read, read_bytes
+from flightstack.logs.chain import find_chained
+from flightstack.logs.frames import TIMESTAMP
+from flightstack.logs.framing import Bytes, Positions
+from flightstack.logs.source import MemorySource
 
 MESSAGES = 200_000
 MANY = 2_000_000
@@ -70,18 +74,9 @@ def make_log(path: Path, count: int) -> None:
             msgid = int(order[index % len(order)])
             definition = mavlink.mavlink_map[msgid]
             payload = payloads[msgid][index % 64].rstrip(b"\0") or b"\0"
-            head = struct.pack(
-                "<BBBBBBBHB",
-                0xFD,
-                len(payload),
-                0,
-                0,
-                index % 256,
-                1,
-                1,
-                msgid & 0xFFFF,
-                msgid >> 16,
-            )
+            sender = (index % 256, 1, 1)  # with its sequence number
+            identity = (msgid & 0xFFFF, msgid >> 16)
+            head = struct.pack("<BBBB3BHB", 0xFD, len(payload), 0, 0, *sender, *identity)
             crc = mavlink.x25crc(head[1:] + payload + bytes([definition.crc_extra])).crc
             stamp = struct.pack(">Q", START_US + index * 2500)
             file.write(stamp + head + payload + struct.pack("<H", crc))
@@ -228,28 +223,46 @@ def measure_memory(folder: Path) -> None:
     print(f"summary of {messages} messages ({size:.0f} MiB): {float(megabytes):.0f} MiB of memory")
 
 
-def fuzz(count: int) -> None:
-    """Read so many damaged inputs; an exception ends the run."""
-    rng = np.random.default_rng(9)
+def damaged(clean: Bytes, edges: Positions, rng: np.random.Generator) -> Bytes:
+    """Return a piece of a log, of whole records or not, perhaps with bytes hit; or noise."""
+    start, length = int(rng.integers(0, len(clean) - 1500)), int(rng.integers(0, 1500))
+    first, last = np.searchsorted(edges, (start, start + length))
+    is_whole = rng.random() < 0.5
+    data = clean[edges[first] : edges[last]] if is_whole else clean[start : start + length]
+    if rng.random() < 0.1:
+        return rng.integers(0, 256, size=len(data), dtype=np.uint8)
+    hit = data.copy()
+    if len(data):
+        places = rng.integers(0, len(data), size=int(rng.integers(0, 30) * rng.integers(0, 2)))
+        hit[places] = rng.choice([0xFD, 0xFE, 0, 255, 1, 7], size=len(places))
+    return hit
+
+
+def fuzz(count: int, seed: int) -> None:
+    """Read so many damaged inputs, whole and along their chain of records.
+
+    An exception ends the run, and so does a chain that tells of other frames than the whole read.
+    """
+    rng = np.random.default_rng(seed)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "log.tlog"
         make_log(path, 2000)
-        clean = np.fromfile(path, dtype=np.uint8)
-    found = 0
-    started = time.perf_counter()
-    for index in range(count):
-        start = int(rng.integers(0, len(clean) - 1500))
-        data = clean[start : start + int(rng.integers(0, 1500))].copy()
-        hits = int(rng.integers(0, 30))
-        if len(data):
-            places = rng.integers(0, len(data), size=hits)
-            data[places] = rng.choice([0xFD, 0xFE, 0, 255, 1, 7], size=hits)
-        if index % 10 == 0:
-            data = rng.integers(0, 256, size=len(data), dtype=np.uint8)
+        clean, edges = np.fromfile(path, dtype=np.uint8), read(path).frames.offset - TIMESTAMP
+    asked = sorted(RATES)[:4]
+    found = chained = 0
+    for index in range(1, count + 1):
+        data = damaged(clean, edges, rng)
         log = read_bytes(data)
         log.load(log.counts)
         found += len(log) if log.damage.lost_bytes <= len(data) else 0
-    print(f"{count} inputs, {found} frames, no exception, {time.perf_counter() - started:.0f} s")
+        along = find_chained(MemorySource(data), asked)
+        if along is not None:
+            chained += 1
+            same = log.frames.offset[np.isin(log.frames.msgid, asked)]
+            if not np.array_equal(along.offset, same):
+                raise AssertionError(f"input {index} of seed {seed}: {along.offset}, not {same}")
+        if index % 5000 == 0 or index == count:
+            print(f"{index} inputs, {found} frames, {chained} unbroken, no exception", flush=True)
 
 
 def main() -> None:
@@ -259,9 +272,10 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--memory", action="store_true", help="with two million messages too")
     parser.add_argument("--fuzz", type=int, metavar="N", help="read N damaged inputs instead")
+    parser.add_argument("--seed", type=int, default=9, help="of the damaged inputs")
     arguments = parser.parse_args()
     if arguments.fuzz:
-        fuzz(arguments.fuzz)
+        fuzz(arguments.fuzz, arguments.seed)
         return
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

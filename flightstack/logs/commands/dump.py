@@ -3,7 +3,7 @@
 import struct
 import sys
 from argparse import Namespace
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,9 @@ from flightstack.logs.frames import LINK_BITS, NO_TIME
 from flightstack.logs.lines import LineOptions, csv_columns, lines
 from flightstack.logs.log import Log
 from flightstack.logs.reading import read
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 def seconds_window(log: Log, arguments: Namespace) -> tuple[int | None, int | None]:
@@ -71,7 +74,7 @@ def chosen(arguments: Namespace) -> Log:
     return part
 
 
-def write_tlog(log: Log, path: Path) -> None:
+def write_tlog(log: Log, path: "Path") -> None:
     """Write the log's frames to a new tlog, each with its time."""
     times = np.where(log.frames.time_us == NO_TIME, log.time_us, log.frames.time_us)
     rows = (times.view(np.uint64).tolist(), log.frames.offset.tolist(), log.frames.end.tolist())

@@ -26,7 +26,7 @@ def run(arguments: Namespace) -> int:
     kind = _format(arguments)
     types = arguments.types.split(",") if arguments.types else None
     log = read(arguments.log, types=types, system=arguments.system)
-    default = arguments.log.with_suffix(ENDINGS[kind] or f".{kind}")
+    default = Path(arguments.log).with_suffix(ENDINGS[kind] or f".{kind}")
     output: Path = arguments.output or default
     writer = importlib.import_module(f"flightstack.logs.export.{kind}")
     try:

@@ -73,7 +73,7 @@ def draw(flight: Flight, arguments: Namespace, output: Path) -> None:
 
 def run(arguments: Namespace) -> int:
     """Draw the fields and say where."""
-    output: Path = arguments.output or arguments.log.with_suffix(".png")
+    output: Path = arguments.output or Path(arguments.log).with_suffix(".png")
     if output.suffix.lower() not in ENDINGS:
         raise LogFileError(f"-o {output}: name a file that ends in {', '.join(ENDINGS)}")
     flight = open_flight(arguments)

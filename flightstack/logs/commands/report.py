@@ -17,7 +17,7 @@ def run(arguments: Namespace) -> int:
         raise LogFileError(f"--frames {arguments.frames}: no such folder")
     flight = open_flight(arguments)
     page = make_page(flight, run_checks(flight), arguments.frames)
-    output: Path = arguments.output or arguments.log.with_suffix(".html")
+    output: Path = arguments.output or Path(arguments.log).with_suffix(".html")
     try:
         output.write_text(page, encoding="utf-8")
     except OSError as error:

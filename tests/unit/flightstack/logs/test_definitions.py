@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from zlib import crc32
 
 import pytest
 
@@ -14,7 +15,7 @@ from tests.unit.flightstack.logs.made_logs import flight_messages, tlog
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    return tmp_path / "flightstack" / "definitions.json"
+    return tmp_path / "flightstack" / "definitions.txt"
 
 
 def read_anew() -> dict[int, of_dialect.Definition]:
@@ -46,20 +47,35 @@ def test_the_second_time_the_dialect_is_not_imported(tmp_path: Path) -> None:
 
 def test_another_dialect_is_read_anew(cache: Path) -> None:
     fresh = read_anew()
-    kept = json.loads(cache.read_text())
-    kept["stamp"][-1] += 1
-    kept["messages"]["30"][0] = "ALTITUDE_OF_ANOTHER_TIME"
-    cache.write_text(json.dumps(kept))
+    written = cache.read_text()
+    head, _, lines = written.partition("\n")
+    *stamp, checksum = json.loads(head)
+    stamp[-1] += 1
+    cache.write_text(json.dumps([*stamp, checksum]) + "\n" + lines)
     assert read_anew() == fresh
-    assert json.loads(cache.read_text())["messages"]["30"][0] == "ATTITUDE"
+    assert cache.read_text() == written
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", "null", '{"stamp": 1', '{"messages": {}}'])
-def test_a_damaged_cache_is_written_anew(cache: Path, text: str) -> None:
-    cache.parent.mkdir()
-    cache.write_text(text)
-    assert read_anew()[30].name == "ATTITUDE"
-    assert json.loads(cache.read_text())["messages"]["30"][0] == "ATTITUDE"
+def test_what_is_kept_is_used(cache: Path) -> None:
+    read_anew()
+    head, _, lines = cache.read_text().partition("\n")
+    lines = lines.replace("\tATTITUDE\t", "\tALTITUDE\t")
+    stamp = json.loads(head)[:-1]
+    cache.write_text(json.dumps([*stamp, crc32(lines.encode())]) + "\n" + lines)
+    assert read_anew()[30].name == "ALTITUDE"
+
+
+@pytest.mark.parametrize("head", ["", "[]", "{}", "null", "[2", '"', "\udcff\udcfe"])
+def test_a_damaged_cache_is_written_anew(cache: Path, head: str) -> None:
+    fresh = read_anew()
+    written = cache.read_bytes()
+    cache.write_bytes(head.encode(errors="surrogateescape"))
+    assert read_anew() == fresh
+    assert cache.read_bytes() == written
+    for damaged in (written[: len(written) // 2], written.replace(b"ATTITUDE", b"ALTITUDE")):
+        cache.write_bytes(damaged)
+        assert read_anew() == fresh
+        assert cache.read_bytes() == written
 
 
 def test_without_a_place_for_the_cache_it_goes_on(
