@@ -1,34 +1,25 @@
 """A flying vehicle under hostile datagrams: it keeps its mode, its place and its sockets."""
 
 import itertools
-import socket
 from collections.abc import Iterator
 
 import pytest
 
 from scripts.bench.hostile_datagrams import Generator
-from sitl.mavlink.camera_component import CameraFacts
 from sitl.mavlink.dialect import mavlink
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.framing import frame, pack
 from sitl.mavlink.link import Guard
 from sitl.mavlink.signing import Signing
 from sitl.mavlink.storage import Storage
-from sitl.mavlink.udp_link import LinkConfig, UdpLink
 from sitl.modes import Mode
 from sitl.simulation import Simulation, SimulationConfig
+from tests.unit.sitl.mavlink.bench import FACTS, Peer, handle, link_to
 
 KEY = bytes(range(1, 33))
 TICKS = 500
 DATAGRAMS_A_TICK = 12
 START_NED = (0.0, -2.0, -3.0)
-FACTS = CameraFacts(
-    stream_uri="http://127.0.0.1:1/stream",
-    width_px=64,
-    height_px=64,
-    field_of_view_deg=90,
-    rate_hz=20.0,
-)
 
 
 class Bench:
@@ -39,18 +30,8 @@ class Bench:
         self.simulation.start_airborne(START_NED, 0.0)
         self.guard = Guard(signing=Signing(KEY if signed else None))
         self.pilot_signing = Signing(KEY if signed else None)
-        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.bind(("127.0.0.1", 0))
-        port = self.socket.getsockname()[1]
-        self.links = [
-            UdpLink(
-                LinkConfig(name=name, local_port=0, remote_port=port),
-                system=1,
-                index=index,
-                guard=self.guard,
-            )
-            for index, name in enumerate(("gcs", "api"))
-        ]
+        self.peer = Peer()  # of both
+        self.links = [link_to(self.peer, index, self.guard) for index in range(2)]
         self.endpoint = Endpoint(
             self.simulation,
             self.links,
@@ -65,14 +46,14 @@ class Bench:
         self.endpoint.close()
         for link in self.links:
             link.close()
-        self.socket.close()
+        self.peer.socket.close()
         self.simulation.close()
 
     def attack(self) -> None:
         for number, datagram in enumerate(itertools.islice(self.datagrams, DATAGRAMS_A_TICK)):
             link = self.links[number % 2]
-            self.socket.sendto(datagram, ("127.0.0.1", link.local_port))
-        self.handle()
+            self.peer.socket.sendto(datagram, ("127.0.0.1", link.local_port))
+        handle(self.endpoint, self.links)
 
     def steer(self) -> None:
         message = mavlink.MAVLink_set_position_target_local_ned_message(
@@ -81,13 +62,8 @@ class Bench:
         is_signed = self.pilot_signing.is_on
         raw = frame(pack(message), sequence=0, system=1, component=191, is_signed=is_signed)
         raw += self.pilot_signing.signature(raw, 9) if is_signed else b""
-        self.socket.sendto(raw, ("127.0.0.1", self.links[1].local_port))
-        self.handle()
-
-    def handle(self) -> None:
-        for link in self.links:
-            while self.endpoint.receive(link):
-                pass
+        self.peer.socket.sendto(raw, ("127.0.0.1", self.links[1].local_port))
+        handle(self.endpoint, self.links)
 
 
 @pytest.fixture(params=[False, True], ids=["without a key", "with a key"])

@@ -81,6 +81,11 @@ def test_nobody_need_look(viewer: socket.socket) -> None:
     sender = VideoSender(address, size_px=SIZE_PX, rate_hz=RATE_HZ)
     for number in range(8):
         sender.publish(picture(number))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as late:
+        late.bind(address)
+        late.settimeout(1.0)
+        sender.publish(picture(8))
+        assert late.recv(2048)[0] >> 6 == 2  # RTP goes on, to whoever looks now
     sender.close()
 
 

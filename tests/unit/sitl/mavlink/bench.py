@@ -1,12 +1,14 @@
 """The endpoint behind real loopback sockets, and clients at its links."""
 
 import socket
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from sitl.clock import TICK_US
 from sitl.mavlink.camera_component import CameraFacts
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.framing import Received, frame, pack, split
+from sitl.mavlink.link import Guard
 from sitl.mavlink.udp_link import LinkConfig, UdpLink
 from tests.unit.sitl.mavlink.fakes import FakeVehicle
 
@@ -19,8 +21,8 @@ FACTS = CameraFacts(
 )
 
 
-class Client:
-    """Somebody at the other end of a link."""
+class Peer:
+    """A socket at the other end of a link."""
 
     def __init__(self) -> None:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -32,18 +34,39 @@ class Client:
     def send_raw(self, raw: bytes) -> None:
         self.socket.sendto(raw, ("127.0.0.1", self.link.local_port))
 
+    def datagrams(self) -> Iterator[bytes]:
+        """Give what has come."""
+        while True:
+            try:
+                yield self.socket.recv(4096)
+            except BlockingIOError:
+                return
+
+
+class Client(Peer):
+    """Somebody who speaks in frames of our own making."""
+
     def send(self, message: Any, system: int = 255, component: int = 190) -> bytes:
         raw = frame(pack(message), sequence=0, system=system, component=component)
         self.send_raw(raw)
         return raw
 
     def take(self) -> list[Received]:
-        received: list[Received] = []
-        while True:
-            try:
-                received += split(self.socket.recv(2048))
-            except BlockingIOError:
-                return received
+        return [item for datagram in self.datagrams() for item in split(datagram)]
+
+
+def link_to(peer: Peer, index: int, guard: Guard | None = None) -> UdpLink:
+    """Make a link of a vehicle to a peer."""
+    config = LinkConfig(name=str(index), local_port=0, remote_port=peer.port)
+    peer.link = UdpLink(config, system=1, index=index, guard=guard)
+    return peer.link
+
+
+def handle(endpoint: Endpoint, links: Iterable[UdpLink]) -> None:
+    """Let the endpoint take all that has come."""
+    for link in links:
+        while endpoint.receive(link):
+            pass
 
 
 class Bench:
@@ -52,10 +75,7 @@ class Bench:
     def __init__(self) -> None:
         self.vehicle = FakeVehicle()
         self.gcs, self.api = Client(), Client()
-        for index, client in enumerate((self.gcs, self.api)):
-            config = LinkConfig(name=str(index), local_port=0, remote_port=client.port)
-            client.link = UdpLink(config, system=1, index=index)
-        self.links = [self.gcs.link, self.api.link]
+        self.links = [link_to(self.gcs, 0), link_to(self.api, 1)]
         self.endpoint = Endpoint(self.vehicle, self.links, system=1, camera=FACTS)
 
     def close(self) -> None:
@@ -64,9 +84,7 @@ class Bench:
             client.socket.close()
 
     def handle(self) -> None:
-        for link in self.links:
-            while self.endpoint.receive(link):
-                pass
+        handle(self.endpoint, self.links)
 
     def run(self, ticks: int) -> None:
         for _ in range(ticks):

@@ -1,42 +1,29 @@
 """A vehicle with a signing key, over real sockets, with pymavlink at the other ends."""
 
-import socket
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
-from sitl.mavlink.camera_component import CameraFacts
 from sitl.mavlink.dialect import mavlink
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.link import Guard
 from sitl.mavlink.refusals import Refusal
 from sitl.mavlink.signing import EPOCH_S, NO_KEY, UNITS_PER_S, Signing, make_clock
-from sitl.mavlink.udp_link import LinkConfig, UdpLink
+from tests.unit.sitl.mavlink.bench import FACTS, Peer, handle, link_to
 from tests.unit.sitl.mavlink.fakes import FakeVehicle
 
 KEY, OTHER_KEY = bytes(range(1, 33)), bytes(range(2, 34))
-FACTS = CameraFacts(
-    stream_uri="http://127.0.0.1:1/stream",
-    width_px=64,
-    height_px=64,
-    field_of_view_deg=90,
-    rate_hz=20.0,
-)
 HEARTBEAT = mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
 
 
-class Client:
+class Client(Peer):
     """pymavlink at the other end of a link; signs if it has a key."""
 
     def __init__(self) -> None:
-        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.bind(("127.0.0.1", 0))
-        self.socket.settimeout(0.0)
-        self.port: int = self.socket.getsockname()[1]
+        super().__init__()
         self.codec = mavlink.MAVLink(None, srcSystem=255, srcComponent=190)
         self.codec.robust_parsing = True
-        self.link: UdpLink
 
     def use(self, key: bytes | None) -> None:
         signing = self.codec.signing
@@ -45,16 +32,12 @@ class Client:
 
     def send(self, message: Any) -> bytes:
         raw = bytes(message.pack(self.codec))
-        self.socket.sendto(raw, ("127.0.0.1", self.link.local_port))
+        self.send_raw(raw)
         return raw
 
     def take(self) -> list[Any]:
-        messages: list[Any] = []
-        while True:
-            try:
-                messages += self.codec.parse_buffer(self.socket.recv(4096)) or []
-            except BlockingIOError:
-                return messages
+        parse = self.codec.parse_buffer
+        return [message for datagram in self.datagrams() for message in parse(datagram) or []]
 
 
 class Bench:
@@ -62,10 +45,7 @@ class Bench:
         self.vehicle = FakeVehicle()
         self.guard = Guard(signing=Signing(key))
         self.gcs, self.api = Client(), Client()
-        for index, client in enumerate((self.gcs, self.api)):
-            config = LinkConfig(name=str(index), local_port=0, remote_port=client.port)
-            client.link = UdpLink(config, system=1, index=index, guard=self.guard)
-        self.links = [self.gcs.link, self.api.link]
+        self.links = [link_to(self.gcs, 0, self.guard), link_to(self.api, 1, self.guard)]
         self.endpoint = Endpoint(self.vehicle, self.links, system=1, camera=FACTS, guard=self.guard)
 
     def ask(self, client: Client, raw: bytes | None = None) -> list[int]:
@@ -74,14 +54,12 @@ class Bench:
         if raw is None:
             client.send(message)
         else:
-            client.socket.sendto(raw, ("127.0.0.1", client.link.local_port))
+            client.send_raw(raw)
         self.handle()
         return [m.result for m in client.take() if m.get_type() == "COMMAND_ACK"]
 
     def handle(self) -> None:
-        for link in self.links:
-            while self.endpoint.receive(link):
-                pass
+        handle(self.endpoint, self.links)
 
     def hand_over(self, client: Client, key: bytes) -> None:
         stamp = make_clock()()
