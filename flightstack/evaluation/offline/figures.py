@@ -50,6 +50,7 @@ def _draw_seen(figure: Any, image: NDArray[np.uint8], z: NDArray[np.float32]) ->
     axes = bottom.subplots(2, (z.shape[1] + 1) // 2, squeeze=False)
     for k, plot in enumerate(axes.flat):
         plot.set_yticks([])
+        plot.locator_params(axis="x", nbins=3)
         if k >= z.shape[1]:
             plot.set_axis_off()
             continue
