@@ -14,23 +14,13 @@ import pytest
 from pymavlink.dialects.v20 import development as mavlink
 
 from sitl.mavlink import newer_messages
+from tests.observed_parameters import NEEDED
 from tests.wire.vehicle_process import Client, Vehicle, is_acknowledgement, is_from
 
 pytestmark = pytest.mark.flight
 REQUEST_MESSAGE, ACCEPTED = 512, 0
 PROTOCOL_VERSION = 300  # which pymavlink leaves out
 HASH_CHECK = "_HASH_CHECK"
-NEEDED = {  # it complains about any that is missing
-    *("SYS_AUTOSTART", "SYS_AUTOCONFIG", "MAV_SYS_ID", "CAL_GYRO0_ID", "CAL_ACC0_ID"),
-    *("CAL_MAG0_ID", "CAL_MAG1_ID", "CAL_MAG2_ID", "CAL_MAG0_ROT", "CAL_MAG1_ROT"),
-    *("CAL_MAG2_ROT", "COM_RC_IN_MODE", "RC_MAP_ROLL", "RC_MAP_PITCH", "RC_MAP_YAW"),
-    *("RC_MAP_THROTTLE", "RC_MAP_FLAPS", "RC_MAP_AUX1", "RC_MAP_AUX2", "BAT1_SOURCE"),
-    *(f"COM_FLTMODE{number}" for number in range(1, 7)),
-    *("BAT_LOW_THR", "BAT_CRIT_THR", "BAT_EMERGEN_THR", "RTL_LAND_DELAY", "RTL_DESCEND_ALT"),
-    *("RTL_RETURN_ALT", "NAV_DLL_ACT", "NAV_RCL_ACT", "COM_RC_LOSS_T", "COM_LOW_BAT_ACT"),
-    *("SENS_BOARD_ROT", "SENS_BOARD_X_OFF", "SENS_BOARD_Y_OFF", "SENS_BOARD_Z_OFF"),
-    *("SENS_DPRES_OFF", "TRIG_MODE", "UAVCAN_ENABLE", "SYS_PARAM_VER"),
-}
 NEEDED_CAPABILITIES = (
     *("MISSION_FLOAT", "MISSION_INT", "PARAM_FLOAT", "COMMAND_INT", "PARAM_ENCODE_BYTEWISE"),
     *("FTP", "SET_POSITION_TARGET_LOCAL_NED", "FLIGHT_TERMINATION", "MAVLINK2"),

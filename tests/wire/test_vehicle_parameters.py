@@ -2,6 +2,7 @@
 
 import signal
 import struct
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,84 +10,13 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import development as mavlink
 
+from tests.observed_parameters import DEFAULTS
 from tests.wire.vehicle_process import Client, Vehicle
 
 pytestmark = pytest.mark.flight
 INT32, REAL32, UINT32 = 6, 9, 5
 SILENCE_S = 0.5
-DEFAULTS: dict[str, float] = {
-    "COM_OF_LOSS_T": 1.0,
-    "COM_OBL_RC_ACT": 0,
-    "COM_DISARM_LAND": 2.0,
-    "COM_DISARM_PRFLT": 10.0,
-    "COM_RC_IN_MODE": 1,
-    "COM_RCL_EXCEPT": 0,
-    "NAV_RCL_ACT": 2,
-    "NAV_DLL_ACT": 0,
-    "COM_DL_LOSS_T": 10,
-    "COM_RC_LOSS_T": 0.5,
-    "COM_FAIL_ACT_T": 5.0,
-    "COM_ARM_WO_GPS": 1,
-    "COM_LOW_BAT_ACT": 3,
-    "COM_KILL_DISARM": 5.0,
-    "MIS_TAKEOFF_ALT": 2.5,
-    "RTL_RETURN_ALT": 30.0,
-    "RTL_DESCEND_ALT": 10.0,
-    "RTL_LAND_DELAY": 0.0,
-    "RTL_TYPE": 0,
-    "NAV_ACC_RAD": 2.0,
-    "NAV_MC_ALT_RAD": 0.8,
-    "MPC_XY_VEL_MAX": 12.0,
-    "MPC_XY_CRUISE": 5.0,
-    "MPC_Z_VEL_MAX_UP": 3.0,
-    "MPC_Z_VEL_MAX_DN": 1.5,
-    "MPC_Z_V_AUTO_UP": 3.0,
-    "MPC_Z_V_AUTO_DN": 1.5,
-    "MPC_TKO_SPEED": 1.5,
-    "MPC_LAND_SPEED": 0.7,
-    "MPC_TKO_RAMP_T": 3.0,
-    "MPC_ACC_HOR": 3.0,
-    "MPC_ACC_HOR_MAX": 5.0,
-    "MPC_ACC_UP_MAX": 4.0,
-    "MPC_ACC_DOWN_MAX": 3.0,
-    "MPC_JERK_MAX": 8.0,
-    "MPC_JERK_AUTO": 4.0,
-    "MPC_XY_P": 0.95,
-    "MPC_XY_VEL_P_ACC": 1.8,
-    "MPC_XY_VEL_I_ACC": 0.4,
-    "MPC_XY_VEL_D_ACC": 0.2,
-    "MPC_Z_P": 1.0,
-    "MPC_Z_VEL_P_ACC": 4.0,
-    "MPC_Z_VEL_I_ACC": 2.0,
-    "MPC_Z_VEL_D_ACC": 0.0,
-    "MPC_TILTMAX_AIR": 45.0,
-    "MPC_TILTMAX_LND": 12.0,
-    "MPC_MAN_TILT_MAX": 35.0,
-    "MPC_THR_MIN": 0.12,
-    "MPC_THR_MAX": 1.0,
-    "MPC_YAWRAUTO_MAX": 60.0,
-    "MPC_MAN_Y_MAX": 150.0,
-    "MC_YAW_P": 2.8,
-    "MC_YAWRATE_MAX": 200.0,
-    "MC_ROLL_P": 4.0,
-    "MC_PITCH_P": 4.0,
-    "MC_YAWRATE_P": 0.2,
-    "MC_ROLLRATE_P": 0.15,
-    "MPC_LAND_ALT1": 10.0,
-    "MPC_LAND_ALT2": 5.0,
-    "LNDMC_Z_VEL_MAX": 0.25,
-    "GF_ACTION": 2,
-    "EKF2_HGT_REF": 1,
-    "MAV_SYS_ID": 1,
-    "MAV_COMP_ID": 1,
-    "MAV_TYPE": 2,
-    "MAV_PROTO_VER": 2,
-    "BAT1_N_CELLS": 4,
-    "SDLOG_MODE": 1,
-    "CBRK_SUPPLY_CHK": 0,
-    "COM_SPOOLUP_TIME": 1.0,
-    "COM_MODE_ARM_CHK": 1,
-}
+LIST_RATE_HZ = 950
 
 
 @pytest.fixture(scope="module")
@@ -141,6 +71,22 @@ def test_defaults_are_px4s(vehicle: Vehicle) -> None:
     shown = {value.param_id: value_of(value) for value in list_all(vehicle.api)[1:]}
     for name, default in DEFAULTS.items():
         assert shown[name] == pytest.approx(default), name
+
+
+def test_what_the_airframe_says_is_of_the_airframe(vehicle: Vehicle) -> None:
+    """PX4's SIH quadrotor shows 10040 and 0.5, its x500 these."""
+    for name, value in (("SYS_AUTOSTART", 4001), ("MPC_THR_HOVER", 0.6)):
+        read(vehicle.gcs, name)
+        assert value_of(vehicle.gcs.wait_for("PARAM_VALUE")) == pytest.approx(value)
+
+
+def test_the_list_comes_at_px4s_pace(vehicle: Vehicle) -> None:
+    """PX4: 908 in 0.95 s."""
+    client = vehicle.gcs
+    begun_s = time.monotonic()
+    listed = list_all(client)
+    took_s = time.monotonic() - begun_s
+    assert took_s >= 0.8 * len(listed) / LIST_RATE_HZ  # not in one burst, which a link would drop
 
 
 def test_reads_by_name_and_index_agree(vehicle: Vehicle) -> None:

@@ -4,41 +4,7 @@ import pytest
 
 from sitl.autopilot.parameters import Parameters, ParameterType
 from sitl.errors import UsageError
-
-# What QGroundControl complains about when it is missing.
-GROUND_STATION = [
-    *("SYS_AUTOSTART", "SYS_AUTOCONFIG", "SYS_PARAM_VER", "MAV_SYS_ID", "TRIG_MODE"),
-    *("CAL_GYRO0_ID", "CAL_ACC0_ID", "CAL_MAG0_ID", "CAL_MAG1_ID", "CAL_MAG2_ID"),
-    *("CAL_MAG0_ROT", "CAL_MAG1_ROT", "CAL_MAG2_ROT", "UAVCAN_ENABLE"),
-    *("RC_MAP_ROLL", "RC_MAP_PITCH", "RC_MAP_YAW", "RC_MAP_THROTTLE"),
-    *("RC_MAP_FLAPS", "RC_MAP_AUX1", "RC_MAP_AUX2"),
-    *("COM_FLTMODE1", "COM_FLTMODE2", "COM_FLTMODE3"),
-    *("COM_FLTMODE4", "COM_FLTMODE5", "COM_FLTMODE6"),
-    *("COM_RC_IN_MODE", "COM_RC_LOSS_T", "COM_LOW_BAT_ACT", "NAV_DLL_ACT", "NAV_RCL_ACT"),
-    *("BAT1_SOURCE", "BAT_LOW_THR", "BAT_CRIT_THR", "BAT_EMERGEN_THR"),
-    *("RTL_LAND_DELAY", "RTL_DESCEND_ALT", "RTL_RETURN_ALT"),
-    *("SENS_BOARD_ROT", "SENS_BOARD_X_OFF", "SENS_BOARD_Y_OFF", "SENS_BOARD_Z_OFF"),
-    "SENS_DPRES_OFF",
-]
-
-# A sample of what was read from a running PX4 1.17.
-OBSERVED = {
-    "COM_OF_LOSS_T": 1.0,
-    "COM_OBL_RC_ACT": 0,
-    "COM_DISARM_LAND": 2.0,
-    "COM_DISARM_PRFLT": 10.0,
-    "COM_DL_LOSS_T": 10,
-    "MIS_TAKEOFF_ALT": 2.5,
-    "MPC_XY_P": 0.95,
-    "MPC_XY_VEL_P_ACC": 1.8,
-    "MPC_Z_VEL_I_ACC": 2.0,
-    "MPC_THR_MIN": 0.12,
-    "MC_ROLL_P": 4.0,
-    "MC_YAWRATE_P": 0.2,
-    "RTL_RETURN_ALT": 30.0,
-    "LNDMC_Z_VEL_MAX": 0.25,
-    "SDLOG_MODE": 1,
-}
+from tests.observed_parameters import DEFAULTS, NEEDED
 
 
 @pytest.fixture
@@ -46,17 +12,17 @@ def parameters() -> Parameters:
     return Parameters()
 
 
-@pytest.mark.parametrize("name", GROUND_STATION)
+@pytest.mark.parametrize("name", sorted(NEEDED))
 def test_has_what_ground_stations_ask_for(parameters, name):
     assert name in parameters
 
 
-@pytest.mark.parametrize("name", [name for name in GROUND_STATION if name.endswith("_ID")])
+@pytest.mark.parametrize("name", sorted(name for name in NEEDED if name.endswith("_ID")))
 def test_calibration_looks_done(parameters, name):
     assert parameters.get(name) != 0
 
 
-@pytest.mark.parametrize(("name", "value"), list(OBSERVED.items()))
+@pytest.mark.parametrize(("name", "value"), list(DEFAULTS.items()))
 def test_defaults_are_those_of_px4(parameters, name, value):
     assert parameters.get(name) == pytest.approx(value, rel=1e-7)
     kind = ParameterType.INT32 if isinstance(value, int) else ParameterType.REAL32
