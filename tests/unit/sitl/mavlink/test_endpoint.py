@@ -1,7 +1,6 @@
 """The endpoint behind real loopback sockets."""
 
 from collections import Counter
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -20,13 +19,6 @@ ASKER, PING = (77, 7), 0xA5A5  # a system and component that nobody else is
 # All but the one that may hand over a key, after which only who has it is answered.
 ANY = sorted(set(mavlink.mavlink_map) - {mavlink.MAVLINK_MSG_ID_SETUP_SIGNING})
 ANSWERS = Counter({"PING": 1, "COMMAND_ACK": 1, "AUTOPILOT_VERSION": 1})
-
-
-@pytest.fixture
-def bench() -> Iterator[Bench]:
-    bench = Bench()
-    yield bench
-    bench.close()
 
 
 def heartbeat(kind: int) -> Any:

@@ -1,6 +1,5 @@
 """A failing signal spoils what goes either way, and only while it fails."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -9,13 +8,6 @@ from sitl.failures import FailureType
 from sitl.mavlink.dialect import mavlink
 from sitl.mavlink.framing import Received
 from tests.unit.sitl.mavlink.bench import Bench
-
-
-@pytest.fixture
-def bench() -> Iterator[Bench]:
-    bench = Bench()
-    yield bench
-    bench.close()
 
 
 def ping(number: int) -> Any:
