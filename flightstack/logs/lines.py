@@ -17,9 +17,7 @@ from flightstack.logs.errors import UnknownNameError
 from flightstack.logs.log import Log
 from flightstack.logs.table import Table
 
-CHUNK = (
-    6_000  # frames whose lines are made at once: fewer take longer a line, more leave the caches
-)
+CHUNK = 6_000  # frames whose lines are made at once: a compromise between steps and caches
 Text = fast_text.Bytes | list[bytes]  # the lines of one type: as a matrix, or each by itself
 HUNDREDTHS = fast_text.from_texts([f"{number:02d}" for number in range(100)])
 
