@@ -3,13 +3,14 @@
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import development as mavlink
 
-from tests.wire.vehicle_process import ROOT, Client, Vehicle
+from tests.wire.vehicle_process import OTHER_COMPONENT, OTHER_SYSTEM, ROOT, Client, Vehicle
 
 pytestmark = pytest.mark.flight
 ONBOARD_CONTROLLER = 18
@@ -70,6 +71,11 @@ def test_whoever_speaks_first_is_a_links_partner_for_good(further: Client) -> No
         assert not list(further.messages(0.0))
 
 
+def is_forwarded(name: str) -> Callable[[Any], bool]:
+    """Make a condition: a message of that name from another client."""
+    return lambda m: m.get_type() == name and m.get_srcSystem() == OTHER_SYSTEM
+
+
 def test_what_ground_stations_ask_each_other_is_forwarded_as_they_sent_it() -> None:
     """HEARTBEAT, TIMESYNC and PING of a client appear on the other link, with its system id."""
     with Vehicle("-q") as vehicle:
@@ -79,12 +85,10 @@ def test_what_ground_stations_ask_each_other_is_forwarded_as_they_sent_it() -> N
             here.send(mavlink.MAVLink_timesync_message(0, 5))
             here.send(mavlink.MAVLink_ping_message(1, 5, 0, 0))
             heartbeat, timesync, ping = (
-                there.wait_for(
-                    lambda m, name=name: m.get_type() == name and m.get_srcSystem() == 42, name
-                )
+                there.wait_for(is_forwarded(name), name)
                 for name in ("HEARTBEAT", "TIMESYNC", "PING")
             )
-            assert {m.get_srcComponent() for m in (heartbeat, timesync, ping)} == {7}
+            assert {m.get_srcComponent() for m in (heartbeat, timesync, ping)} == {OTHER_COMPONENT}
             assert heartbeat.type == ONBOARD_CONTROLLER
             assert (timesync.tc1, timesync.ts1) == (0, 5)
             assert (ping.time_usec, ping.seq, ping.target_system) == (1, 5, 0)
