@@ -78,6 +78,7 @@ def _make_simulation(options: Options) -> Simulation:
             home=options.home,
             gui=options.gui,
             perfect_estimate=options.perfect_estimate,
+            settled_s=options.ready_after_s,
             conditions=options.conditions,
         )
     )

@@ -10,6 +10,7 @@ from sitl.records import Vector3
 
 LOOPBACK = "127.0.0.1"
 MAX_INSTANCE = 249  # MAV_SYS_ID ends at 250
+MIN_READY_S, MAX_READY_S = 1.0, 3600.0  # sensors have spoken then
 
 Address = tuple[str, int]  # host, port
 
@@ -50,6 +51,16 @@ def speed(text: str) -> float:
     if not (factor == 0.0 or 0.01 <= factor <= 1000.0):
         raise argparse.ArgumentTypeError(f"must be 0 or 0.01 to 1000, got '{text}'")
     return factor
+
+
+def ready(text: str) -> float:
+    """Read after how many seconds a vehicle is ready."""
+    (seconds,) = numbers(text, 1, "8.5")
+    if not MIN_READY_S <= seconds <= MAX_READY_S:
+        raise argparse.ArgumentTypeError(
+            f"must be {MIN_READY_S:g} to {MAX_READY_S:g}, got '{text}'"
+        )
+    return seconds
 
 
 def integer(text: str, low: int, high: int) -> int:

@@ -19,6 +19,7 @@ API_PORTS = (14580, 14540)  # both grow with the instance
 API_REMOTE_LAST = 14549  # PX4 stops there
 CAMERA_PORT = 8090
 PARAMETER_PREFIX = "PX4_PARAM_"
+READY_S, LOCKSTEP_READY_S = 8.5, 1.0  # 8 to 9 s were seen of PX4; in lockstep that is only work
 
 T = TypeVar("T")
 
@@ -36,6 +37,7 @@ class Options:
     lockstep: bool
     gui: bool
     perfect_estimate: bool
+    ready_after_s: float  # vehicle time, until it can be armed
     conditions: Conditions
     instance: int
     home: Vector3
@@ -84,6 +86,9 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
         lockstep=given.lockstep,
         gui=given.gui,
         perfect_estimate=given.perfect_estimate,
+        ready_after_s=_first(
+            given.ready_after, None, LOCKSTEP_READY_S if given.lockstep else READY_S
+        ),
         conditions=read_conditions(given.conditions, given.condition),
         instance=instance,
         home=_first(given.home, _home_from(environment), HOME),
@@ -182,6 +187,12 @@ def _add_time(parser: argparse.ArgumentParser) -> None:
     )
     running.add_argument(
         "--lockstep", action="store_true", help="wait for an answer to each camera frame"
+    )
+    running.add_argument(
+        "--ready-after",
+        type=values.ready,
+        metavar="S",
+        help="vehicle time until it can be armed (default 8.5, as PX4; in lockstep 1)",
     )
 
 

@@ -78,6 +78,7 @@ class Estimate(NamedTuple):
     sensors: SensorHealth = SensorHealth()
     battery: float = 1.0  # charge left, 0..1
     accuracy_m: tuple[float, float] = (0.0, 0.0)  # standard deviation, horizontal and vertical
+    settled: bool = True  # long enough after boot to take off by it
 
 
 NO_ESTIMATE = Estimate(

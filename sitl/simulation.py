@@ -27,7 +27,7 @@ from sitl.records import (
 )
 from sitl.sensors.battery import Pack
 from sitl.sensors.camera import Camera
-from sitl.sensors.estimator import Estimator, PerfectEstimator
+from sitl.sensors.estimator import SETTLED_S, Estimator, PerfectEstimator
 from sitl.sensors.look import Look, at_dusk, draw_look, in_fog
 from sitl.sensors.noise import normals
 from sitl.sensors.shutter import Delay, Spoiler
@@ -60,6 +60,7 @@ class SimulationConfig:
     home: Vector3 = HOME
     airframe: str = "x500"
     perfect_estimate: bool = False  # the autopilot knows the truth
+    settled_s: float = SETTLED_S  # after boot, when it may be armed
     conditions: Conditions = CLEAR_DAY
     gui: bool = False
 
@@ -231,7 +232,7 @@ class Simulation:
 
     def _make_estimator(self) -> Estimator | PerfectEstimator:
         if self.config.perfect_estimate:
-            return PerfectEstimator()
+            return PerfectEstimator(settled_s=self.config.settled_s)
         imu = self._sensors.imu
         rng = np.random.default_rng([self.config.seed, ESTIMATE_STREAM])
         return Estimator(
@@ -239,6 +240,7 @@ class Simulation:
             imu.gyro_bias_frd,
             imu.accelerometer_bias_frd,
             rotor_noise_share=self.config.conditions.estimate.rotor_noise_share,
+            settled_s=self.config.settled_s,
         )
 
 

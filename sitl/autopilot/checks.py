@@ -52,6 +52,7 @@ class Health(NamedTuple):
     fence_breached: bool = False  # and GF_ACTION is set
     battery: Battery = Battery.FINE
     sensors: SensorHealth = SensorHealth()
+    settled: bool = True  # the estimate, after boot
 
 
 def can_run(mode: Mode, health: Health) -> bool:
@@ -80,4 +81,4 @@ def can_arm(mode: Mode, health: Health) -> bool:
     sensors = health.sensors
     sound = sensors.gyro and sensors.accelerometer and sensors.magnetometer and sensors.barometer
     fit = sound and health.battery < Battery.LOW and not health.fence_breached
-    return mode in ARMABLE and fit and can_run(mode, health)
+    return mode in ARMABLE and fit and health.settled and can_run(mode, health)

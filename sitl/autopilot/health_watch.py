@@ -65,6 +65,7 @@ class HealthWatch:
             fence_breached,
             self._battery,
             estimate.sensors,
+            estimate.settled,
         )
         if now != self._health:  # the same object while nothing changes: see the commander
             self._health = Health(*now)

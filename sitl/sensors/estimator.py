@@ -7,6 +7,7 @@ they do while a filter aligns itself, and false once an aid has been missing for
 
 import numpy as np
 
+from sitl.clock import SECOND_US
 from sitl.frames import rotate
 from sitl.records import Estimate, Readings, Vector3, VehicleState
 from sitl.sensors.drift import Drift, accuracy_m
@@ -16,15 +17,16 @@ from sitl.sensors.shaken import ShakenDrift
 
 ATTITUDE_VALID_US = 200_000  # assumption: tilt alignment of a still vehicle
 ALTITUDE_VALID_US = 600_000  # assumption: barometer
-POSITION_VALID_US = 1_000_000  # assumption: GPS; a real EKF takes some 8 s
+POSITION_VALID_US = 4_000_000  # at most: a running PX4 had a home then
+SETTLED_S = 1.0  # when a vehicle may take off; a running PX4 said so after 8 to 9 s
 NO_AID_US = 5_000_000  # PX4 EKF2_NOAID_TOUT: dead reckoning counts as valid for this long
 
 
 class PerfectEstimator:
     """Gives the truth at once; only the flags are those of a real one."""
 
-    def __init__(self, *, aligned: bool = False) -> None:
-        self._validity = _Validity(aligned=aligned)
+    def __init__(self, *, aligned: bool = False, settled_s: float = SETTLED_S) -> None:
+        self._validity = _Validity(aligned=aligned, settled_s=settled_s)
 
     def align(self) -> None:
         """Be aligned at once, as a vehicle is that starts in the air."""
@@ -33,9 +35,10 @@ class PerfectEstimator:
     def update(self, state: VehicleState, readings: Readings | None = None) -> Estimate:
         """Estimate the state at `state.time_us`."""
         flags = self._validity.update(state.time_us, readings)
+        settled = self._validity.is_settled(state.time_us)
         if readings is None:
-            return Estimate(*state, *flags)
-        return Estimate(*state, *flags, readings.health, readings.battery)
+            return Estimate(*state, *flags, settled=settled)
+        return Estimate(*state, *flags, readings.health, readings.battery, settled=settled)
 
 
 class Estimator:
@@ -51,6 +54,7 @@ class Estimator:
         accelerometer_bias_frd: Vector3,
         *,
         rotor_noise_share: float = 0.0,
+        settled_s: float = SETTLED_S,
     ) -> None:
         """Begin on the ground; a share above 0 lets that much of the rotors' noise in."""
         self._gyro_bias, self._accelerometer_bias = gyro_bias_frd, accelerometer_bias_frd
@@ -59,7 +63,7 @@ class Estimator:
             self._shaken = ShakenDrift(normals(rng), share=rotor_noise_share)
         self._drift = self._shaken or Drift(normals(rng))
         self._gyro_filter = GyroFilter()
-        self._validity = _Validity(aligned=False)
+        self._validity = _Validity(aligned=False, settled_s=settled_s)
         self._located = True
         self._previous: tuple[VehicleState, Readings] | None = None
 
@@ -75,7 +79,7 @@ class Estimator:
         flags = self._validity.update(state.time_us, readings)
         if sensors.gps and not self._located:
             drift.restart_xy()
-        self._located = flags[1] or state.time_us < POSITION_VALID_US
+        self._located = flags[1] or state.time_us < self._validity.position_us
         seen, sensed = self._previous or (state, readings)
         self._previous = (state, readings)
         if self._shaken is not None:
@@ -96,6 +100,7 @@ class Estimator:
             sensors,
             readings.battery,
             drift.aided_m if sensors.gps else self._validity.accuracy_m(state.time_us),
+            self._validity.is_settled(state.time_us),
         )
 
     def _misread(self, seen: VehicleState, sensed: Readings) -> tuple[Vector3, Vector3]:
@@ -111,8 +116,10 @@ class Estimator:
 class _Validity:
     """Says what the estimate is good for."""
 
-    def __init__(self, *, aligned: bool) -> None:
+    def __init__(self, *, aligned: bool, settled_s: float) -> None:
         self.aligned = aligned
+        self._settled_us = round(settled_s * SECOND_US)
+        self.position_us = min(POSITION_VALID_US, self._settled_us)
         self._gps_us = self._height_us = 0  # when each aid was last there
 
     def update(self, time_us: int, readings: Readings | None) -> tuple[bool, bool, bool]:
@@ -131,12 +138,16 @@ class _Validity:
         return (
             inertial and (aligned or time_us >= ATTITUDE_VALID_US),
             inertial
-            and (aligned or time_us >= POSITION_VALID_US)
+            and (aligned or time_us >= self.position_us)
             and time_us - self._gps_us < NO_AID_US,
             inertial
             and (aligned or time_us >= ALTITUDE_VALID_US)
             and time_us - self._height_us < NO_AID_US,
         )
+
+    def is_settled(self, time_us: int) -> bool:
+        """Say whether it is long enough after boot."""
+        return self.aligned or time_us >= self._settled_us
 
     def accuracy_m(self, time_us: int) -> tuple[float, float]:
         """Give the spread of the position's errors, horizontal and vertical."""

@@ -16,6 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 ENVIRONMENT = {"OMP_NUM_THREADS": "1"} | os.environ
 FAST = ("--speed-factor", "0")  # as fast as possible
 LOCKSTEP = ("--lockstep", *FAST)
+VEHICLES = ("sitl", "tests.wire.draggy_vehicle")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,9 +82,10 @@ def ended(running: subprocess.Popen[bytes]) -> Iterator[subprocess.Popen[bytes]]
 @contextlib.contextmanager
 def process(module: str, *options: str, log: Path) -> Iterator[subprocess.Popen[bytes]]:
     """Start `python -m module`, both outputs into `log`; it ends on the way out."""
+    soon = ("--ready-after=1",) if module in VEHICLES else ()  # the options go before that
     with log.open("wb") as output:
         running = subprocess.Popen(
-            [sys.executable, "-m", module, *options],
+            [sys.executable, "-m", module, *soon, *options],
             cwd=ROOT,
             env=ENVIRONMENT,
             stdin=subprocess.DEVNULL,

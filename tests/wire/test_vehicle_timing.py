@@ -103,6 +103,29 @@ def first(messages: list[Any], name: str, meets: Callable[[Any], bool], since_s:
     return float(next(found)._timestamp - since_s)
 
 
+def test_home_is_known_before_the_vehicle_is_ready(tmp_path: Path) -> None:
+    """PX4: a home some 4 s after boot; "Ready for takeoff!" 8 to 9 s after the process's start."""
+    log = tmp_path / "vehicle.tlog"
+    with Vehicle("-q", f"--speed-factor={SPEED}", f"--log={log}", "--ready-after=8.5") as vehicle:
+        vehicle.wait_until_up()
+        vehicle.gcs.say_hello()
+        vehicle.gcs.wait_for(is_text("Ready for takeoff"), timeout_s=30.0)
+        vehicle.end(signal.SIGTERM)
+    messages = read(log)
+    started_s = messages[0]._timestamp
+    home_s = of_type(messages, "HOME_POSITION")[0]._timestamp - started_s
+    ready_s = first(messages, "STATUSTEXT", lambda m: m.text.startswith("Ready"), started_s)
+    assert 4.0 <= home_s <= 6.0  # it is sent every 2 s
+    assert 8.0 <= ready_s <= 9.0
+    early = {
+        m.system_status
+        for m in of_type(messages, "HEARTBEAT")
+        if (m.get_srcSystem(), m.get_srcComponent()) == (1, 1)
+        and m._timestamp - started_s < ready_s
+    }
+    assert early == {0}
+
+
 def test_take_off_and_landing_take_their_time(pilot: Pilot) -> None:
     """PX4: TAKEOFF +1.8 s, IN_AIR +6.3 s, HOLD +6.4 s; down in 9.3 to 10.2 s, disarmed 2 s later.
 

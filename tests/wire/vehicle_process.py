@@ -115,7 +115,8 @@ class Vehicle:
         self.process = subprocess.Popen(
             [
                 *(sys.executable, "-m", module, f"--gcs-link=0:{self.gcs.port}"),
-                *(f"--api-link=0:{self.api.port}", "--camera-port=0", *options),
+                *(f"--api-link=0:{self.api.port}", "--camera-port=0"),
+                *("--ready-after=1", *options),  # the options go before that
             ],
             cwd=ROOT,
             env={"OMP_NUM_THREADS": "1"} | os.environ | (environment or {}),

@@ -20,6 +20,15 @@ def test_defaults_are_px4s() -> None:
     assert (options.system, options.lockstep, options.verbosity) == (1, False, 0)
 
 
+def test_the_vehicle_is_ready_as_late_as_px4_except_in_lockstep() -> None:
+    assert given().ready_after_s == 8.5  # 8 to 9 s were seen
+    assert given("--lockstep").ready_after_s == 1.0
+    assert given("--lockstep", "--ready-after=3").ready_after_s == 3.0
+    for wrong in ("0.9", "nan", "inf", "soon"):
+        with pytest.raises(UsageError, match="ready-after"):
+            given(f"--ready-after={wrong}")
+
+
 def test_an_instance_moves_its_ports_but_not_the_ground_stations() -> None:
     options = given("--instance", "3")
     assert options.gcs_ports == (18573, 14550)

@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from sitl.autopilot.checks import Health, can_arm, can_run
 from sitl.modes import Mode
 
 NAN = math.nan
@@ -41,6 +42,13 @@ def test_not_armable_until_the_estimate_is_valid(flight):
     ]
     assert flight.autopilot.status.system_status == 3
     assert flight.autopilot.status.armable
+
+
+def test_not_armable_until_the_estimate_has_settled():
+    well = Health(attitude_valid=True, position_valid=True, altitude_valid=True)
+    assert can_arm(Mode.HOLD, well)
+    assert not can_arm(Mode.HOLD, well._replace(settled=False))
+    assert can_run(Mode.HOLD, well._replace(settled=False))
 
 
 def test_arm_once_and_again(ready):

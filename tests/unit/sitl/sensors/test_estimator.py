@@ -55,6 +55,16 @@ def test_becomes_valid_step_by_step(time_us, attitude, altitude, position):
         assert estimate.position_valid is position
 
 
+@pytest.mark.parametrize(("settled_s", "position_s"), [(1.0, 1.0), (8.5, 4.0)])
+def test_the_position_is_known_before_the_estimate_has_settled(settled_s, position_s):
+    late = Estimator(np.random.default_rng(0), ZERO, ZERO, settled_s=settled_s)
+    perfect = PerfectEstimator(settled_s=settled_s)
+    for give in (late.update, perfect.update):
+        known = [give(state(t * 500_000), readings()) for t in range(20)]
+        assert [e.position_valid for e in known] == [t * 0.5 >= position_s for t in range(20)]
+        assert [e.settled for e in known] == [t * 0.5 >= settled_s for t in range(20)]
+
+
 def test_a_start_in_the_air_is_aligned():
     late = make_estimator()
     late.align()
@@ -65,6 +75,7 @@ def test_a_start_in_the_air_is_aligned():
         assert estimate.attitude_valid
         assert estimate.position_valid
         assert estimate.altitude_valid
+        assert estimate.settled
 
 
 def test_the_perfect_estimate_is_the_state():
