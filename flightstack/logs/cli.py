@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 DESCRIPTION = "Inspect MAVLink logs (tlogs). A bare path gives the summary."
 PROGRAM = "python -m flightstack.logs"
 # glibc keeps freed memory for the next window, rather than give it back page by page, up to twice
-# the largest block that it saw freed. The next block, a little smaller, is of the memory that is
-# kept, and numpy asks that huge pages back it, as it does for every large block.
+# the largest block that it saw freed
 KEPT_BYTES = 16 << 20
 HELP_WIDTH = 78  # where no terminal says how wide it is
 
@@ -193,8 +192,7 @@ def run(arguments: argparse.Namespace) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy then starts in half the time
     module = _imported(f"flightstack.logs.commands.{arguments.command}")
     numpy = _imported("numpy")
-    for size in (KEPT_BYTES, KEPT_BYTES - (1 << 12)):
-        numpy.empty(size, dtype="u1")  # freed at once
+    numpy.empty(KEPT_BYTES, dtype="u1")  # freed at once
     with numpy.errstate(all="ignore"):  # logs hold NaN and worse
         code: int = module.run(arguments)
     return code

@@ -92,7 +92,7 @@ def open_source(path: str | os.PathLike[str]) -> Source:
             f"{name} is a folder: name a .tlog in it, or let summary read them all"
         ) from None
     except FileNotFoundError:
-        raise LogFileError(f"{name}: no such file") from None
+        raise LogFileError(f"{name}: no such file; check the path") from None
     except OSError as error:
         raise LogFileError(f"{name} cannot be read: {error.strerror}") from error
     kind = next((kind for magic, kind in MISTAKEN.items() if head.startswith(magic)), None)

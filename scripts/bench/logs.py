@@ -247,7 +247,8 @@ def fuzz(count: int, seed: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "log.tlog"
         make_log(path, 2000)
-        clean, edges = np.fromfile(path, dtype=np.uint8), read(path).frames.offset - TIMESTAMP
+        clean, frames = np.fromfile(path, dtype=np.uint8), read(path).frames
+    edges = np.append(frames.offset - TIMESTAMP, len(clean))
     asked = sorted(RATES)[:4]
     found = chained = 0
     for index in range(1, count + 1):

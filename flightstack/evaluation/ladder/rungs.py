@@ -20,7 +20,8 @@ from sitl.errors import SitlError
 CLIMB = (  # from the first rung up: what a reader of the ladder sees from left to right
     *("level1", "level2", "noise-2-4", "noise-3-5", "commands-1.6", "commands-2"),
     *("latency-100ms", "latency-200ms", "frozen-frames", "blur", "pixel-noise"),
-    *("fog", "dusk", "darkness", "wind", "anticlockwise", "double-gates", "double-gates-outside"),
+    *("fog", "dusk", "darkness", "wind", "rotor-noise"),
+    *("anticlockwise", "double-gates", "double-gates-outside"),
 )
 SUFFIX = ".toml"
 
