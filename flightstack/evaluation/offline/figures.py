@@ -19,6 +19,7 @@ from flightstack.records import VELOCITIES, ActionSamples
 LATENT_DRAWS = 32  # times M samples, for smooth latent densities
 POINTS = 400
 UNITS = ("m/s", "m/s", "m/s", "rad/s")
+POOL = {"color": "grey", "alpha": 0.4, "label": "pool"}
 
 
 def draw_ambiguity(name: str, folder: Path, *, seed: int) -> Path:
@@ -31,8 +32,8 @@ def draw_ambiguity(name: str, folder: Path, *, seed: int) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "ambiguity.png"
     plt = load_pyplot()
-    figure = plt.figure(figsize=(16, 8), layout="constrained")
-    left, right = figure.subfigures(1, 2, width_ratios=(2, 3))
+    figure = plt.figure(figsize=(20, 8), layout="constrained")
+    left, right = figure.subfigures(1, 2, width_ratios=(2, 4))
     _draw_seen(left, image, z)
     _draw_velocities(right, samples)
     figure.suptitle(f"{name}: two gates equally near")
@@ -55,23 +56,39 @@ def _draw_seen(figure: Any, image: NDArray[np.uint8], z: NDArray[np.float32]) ->
             plot.set_axis_off()
             continue
         plot.set_title(f"$z_{k}$", fontsize=9)
-        values = z[:, k].astype(np.float64)
-        if values.std() < 1e-9:  # one point: a model without doubt about its latents
-            plot.axvline(values[0])
-            continue
-        grid = np.linspace(values.min(), values.max(), POINTS)
-        plot.fill_between(grid, gaussian_kde(values)(grid), alpha=0.5)
+        _draw_density(plot, z[:, k].astype(np.float64), filled=True, alpha=0.5)
 
 
 def _draw_velocities(figure: Any, samples: ActionSamples) -> None:
-    """Draw the density of each velocity, for every member and for the pool."""
-    axes = figure.subplots(2, 2)
-    for k, (name, plot) in enumerate(zip(VELOCITIES, axes.flat, strict=True)):
+    """Draw each velocity's predicted means above its predictive, for every member and the pool.
+
+    The means are what the paper draws and `mi-mode` takes modes of; the predictive has the noise
+    that the policies predict in it.
+    """
+    axes = figure.subplots(2, len(VELOCITIES))
+    for k, (name, unit) in enumerate(zip(VELOCITIES, UNITS, strict=True)):
+        means, predictive = axes[:, k]
+        for member, values in enumerate(samples.mean[..., k]):
+            _draw_density(means, values, label=f"policy {member}", linewidth=1.0)
+        _draw_density(means, samples.mean[..., k].ravel(), filled=True, **POOL)
         mean, std = samples.mean[..., k], np.sqrt(samples.var[..., k])
         grid = np.linspace((mean - 3.0 * std).min(), (mean + 3.0 * std).max(), POINTS)
         densities = norm.pdf(grid[:, np.newaxis, np.newaxis], mean, std).mean(axis=2)  # (G, N)
-        for member, density in enumerate(densities.T):
-            plot.plot(grid, density, linewidth=1.0, label=f"policy {member}")
-        plot.fill_between(grid, densities.mean(axis=1), color="grey", alpha=0.4, label="pool")
-        plot.set(xlabel=f"{name}, {UNITS[k]}", yticks=[])
-    axes.flat[0].legend(fontsize=8)
+        predictive.plot(grid, densities, linewidth=1.0)
+        predictive.fill_between(grid, densities.mean(axis=1), **POOL)
+        means.set(title=f"{name}, {unit}: predicted means", yticks=[])
+        predictive.set(title=f"{name}, {unit}: predictive", yticks=[])
+    axes[0, 0].legend(fontsize=8)
+
+
+def _draw_density(
+    plot: Any, values: NDArray[np.float64], *, filled: bool = False, **style: Any
+) -> None:
+    """Draw a kernel density of samples, or a line where all are one."""
+    if values.std() < 1e-9:
+        plot.axvline(values[0], **style)
+        return
+    reach = 0.2 * np.ptp(values)
+    grid = np.linspace(values.min() - reach, values.max() + reach, POINTS)
+    draw = plot.fill_between if filled else plot.plot
+    draw(grid, gaussian_kde(values)(grid), **style)
