@@ -1,5 +1,6 @@
 import dataclasses
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from flightstack.errors import UsageError
 from flightstack.perception.dronet import Dronet
 from flightstack.policy.config import PolicyConfig
 from flightstack.records import Frame
+from flightstack.training import everything
 from flightstack.training.assemble import write_model
 from flightstack.training.card import model_card
 from flightstack.training.catalogue import read_catalogue
@@ -112,6 +114,35 @@ def test_a_model_is_measured_as_it_flies(folder: Path, control_data: Dataset) ->
     assert sum(one.rmse) > sum(many.rmse)
     assert min(many.latent_std) > 0.0
     assert one.latent_std == metrics(sampling="mean", samples=1).latent_std == (0.0,) * 4
+
+
+def test_all_calibrates_every_model_that_it_writes(
+    perception_run: PerceptionRun,
+    policy_folder: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    runs = tmp_path / "runs" / "strong"
+    shutil.copytree(perception_run.folder, runs / "perception-mcd-0")
+    shutil.copytree(policy_folder, runs / "policy-mcd-ensemble-0")
+    for finished in ("make_data", "train_encoder", "train_stack"):
+        monkeypatch.setattr(everything, finished, lambda *_: None)
+    monkeypatch.setitem(everything.CALIBRATION_IMAGES, "quick", 20)
+    plan = everything.Plan(
+        recipe="strong",
+        preset="quick",
+        seed=0,
+        data_seed=0,
+        device="none",
+        data=tmp_path / "data",
+        runs=tmp_path / "runs",
+        models=tmp_path / "models",
+        only=("m0",),
+    )
+    everything.train_all(plan)
+    folder = tmp_path / "models" / "strong" / "m0"
+    assert json.loads((folder / "metrics.json").read_text())["policy"]["images"] == 20
+    assert models.load(str(folder)).config.policy.best_member
 
 
 def test_validation_flights_are_a_function_of_their_seed() -> None:
