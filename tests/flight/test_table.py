@@ -38,12 +38,15 @@ def traces(out: Path) -> dict[str, bytes]:
 
 
 @contextlib.contextmanager
-def running(out: Path, *options: str) -> Iterator[subprocess.Popen[str]]:
+def running(
+    out: Path, *options: str, scratch: Path | None = None
+) -> Iterator[subprocess.Popen[str]]:
     """Start the command as the leader of a group, as a terminal does."""
+    elsewhere = {} if scratch is None else {"TMPDIR": str(scratch)}
     with subprocess.Popen(
         command(out, *options),
         cwd=ROOT,
-        env=ENVIRONMENT | {"TMPDIR": str(out.parent)},
+        env=ENVIRONMENT | elsewhere,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -71,7 +74,7 @@ def below(ancestor: int) -> dict[int, str]:
 
 def wait_for(process: subprocess.Popen[str], name: str) -> int:
     """Wait until the command has a process of this name; returns its id."""
-    deadline_s = time.monotonic() + 60.0
+    deadline_s = time.monotonic() + LIMIT_S
     while time.monotonic() < deadline_s and process.poll() is None:
         found = [pid for pid, its_name in below(process.pid).items() if its_name == name]
         if found:
@@ -136,7 +139,7 @@ def test_two_at_once_give_the_same_rows_though_a_process_is_killed(
 
 def test_an_interrupted_table_resumes(alone: Path, tmp_path: Path) -> None:
     out = tmp_path / "interrupted"
-    with running(out, "--jobs=2") as process:
+    with running(out, "--jobs=2", scratch=tmp_path) as process:
         deadline_s = time.monotonic() + LIMIT_S
         while not (out / "trials.csv").exists() or not rows(out):
             assert process.poll() is None
@@ -158,10 +161,16 @@ def test_an_interrupted_table_resumes(alone: Path, tmp_path: Path) -> None:
     assert rows(out) == rows(alone)
 
 
-def test_a_ray_cluster_gives_the_same_rows(alone: Path, tmp_path: Path) -> None:
+def test_a_ray_cluster_gives_the_same_rows_though_a_worker_is_killed(
+    alone: Path, tmp_path: Path
+) -> None:
     pytest.importorskip("ray")
     out = tmp_path / "ray"
-    ended = run(command(out, "--backend=ray", "--jobs=2"), timeout_s=LIMIT_S)
-    assert ended.code == 0, ended.stderr
+    with running(out, "--backend=ray", "--jobs=2") as process:
+        wait_for(process, "companion")
+        os.kill(wait_for(process, "ray::PoolActor.r"[:15]), signal.SIGKILL)
+        _, said = process.communicate(timeout=LIMIT_S)
+        assert process.returncode == 0, said
+    assert said.count("a worker process died: its trials are flown again") == 1
     assert rows(out) == rows(alone)
     assert traces(out) == traces(alone)

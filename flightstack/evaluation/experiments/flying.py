@@ -58,7 +58,7 @@ def fly(
                     progress.note(flown)
                     if flown.landed is None:
                         dead.append(flown)
-            except TerminatedWorkerError:
+            except (TerminatedWorkerError, *ray_backend.worker_deaths()):
                 progress.say("a worker process died: its trials are flown again")
                 continue
             break

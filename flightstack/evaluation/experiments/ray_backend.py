@@ -1,6 +1,7 @@
 """Let joblib fly on a Ray cluster: the one that RAY_ADDRESS names, else one on this machine."""
 
 import os
+import sys
 from typing import Any
 
 from joblib import register_parallel_backend
@@ -11,7 +12,10 @@ NAME = "flightstack-ray"
 
 
 def register() -> None:
-    """Make the backend known to joblib by NAME; raises UsageError where Ray is missing."""
+    """Make the backend known to joblib by NAME.
+
+    Raises UsageError where Ray is missing, or does not start.
+    """
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
     try:
         import ray  # noqa: PLC0415  an extra
@@ -28,5 +32,17 @@ def register() -> None:
         settings: dict[str, Any] = {"log_to_driver": False, "logging_level": "error"}
         if "RAY_ADDRESS" not in os.environ:
             settings |= {"include_dashboard": False}
-        ray.init(**settings)
+        try:
+            ray.init(**settings)
+        except (OSError, RuntimeError, ValueError) as error:
+            raise UsageError(f"Ray did not start ({error}): see RAY_ADDRESS and TMPDIR") from error
     register_parallel_backend(NAME, StreamingRay)
+
+
+def worker_deaths() -> tuple[type[Exception], ...]:
+    """Name what Ray raises when a worker dies; nothing where Ray has not been loaded."""
+    if "ray" not in sys.modules:
+        return ()
+    from ray.exceptions import RayActorError, WorkerCrashedError  # noqa: PLC0415  an extra
+
+    return RayActorError, WorkerCrashedError
