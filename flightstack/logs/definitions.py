@@ -3,7 +3,7 @@
 The dialect is pymavlink's "all": what PX4, ArduPilot and the ground stations send. Importing it
 takes longer than reading a log of ten minutes, so what is needed of it is kept in the user's cache
 folder ($XDG_CACHE_HOME, else ~/.cache), for as long as the dialect's file has the same size and
-time. Without a folder that can be written to, the dialect is imported each time.
+time. Without a folder that can be written to, or a home, the dialect is imported each time.
 """
 
 import importlib
@@ -101,7 +101,7 @@ def _dialect_stamp() -> list[Any]:
 
 
 def cache_file() -> str:
-    """Return where the definitions are kept."""
+    """Return where the definitions are kept; a relative path where the user has no home."""
     folder = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
     return os.path.expanduser(f"{folder}/flightstack/definitions.txt")  # noqa: PTH111
 
@@ -127,6 +127,8 @@ def _keep(definitions: dict[int, Definition], stamp: list[Any]) -> None:
     rows = ((msgid, *definition) for msgid, definition in definitions.items())
     lines = "".join("\t".join(map(str, row)) + "\n" for row in rows)
     path = cache_file()
+    if not os.path.isabs(path):  # noqa: PTH117
+        return
     part = f"{path}.{os.getpid()}"
     try:
         os.makedirs(os.path.dirname(path), exist_ok=True)  # noqa: PTH103, PTH120

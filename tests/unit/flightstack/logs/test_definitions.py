@@ -1,6 +1,7 @@
 """What is kept of the dialect is what the dialect says, or it is not used."""
 
 import json
+import pwd
 import subprocess
 import sys
 from pathlib import Path
@@ -76,6 +77,17 @@ def test_a_damaged_cache_is_written_anew(cache: Path, head: str) -> None:
         cache.write_bytes(damaged)
         assert read_anew() == fresh
         assert cache.read_bytes() == written
+
+
+def test_without_a_home_nothing_is_left_where_the_command_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.delenv("HOME", raising=False)
+    monkeypatch.setattr(pwd, "getpwuid", {}.__getitem__)
+    monkeypatch.chdir(tmp_path)
+    assert read_anew()[30].name == "ATTITUDE"
+    assert not list(tmp_path.iterdir())
 
 
 def test_without_a_place_for_the_cache_it_goes_on(
