@@ -10,6 +10,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.errors import UsageError
 from flightstack.frames import ned_from_body
 from flightstack.training.expert import Expert, FunnelExpert
 from flightstack.training.minimum_jerk import MinimumJerkExpert
@@ -63,7 +64,12 @@ def fly(
 def fly_until(
     rng: np.random.Generator, recipe: FlightRecipe, *, tracks: range, images: int
 ) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-    """Fly what models are measured on: images (K, 64, 64, 3) and the expert's commands (K, 4)."""
+    """Fly what models are measured on: images (K, 64, 64, 3) and the expert's commands (K, 4).
+
+    Raises UsageError for fewer than one image.
+    """
+    if images < 1:
+        raise UsageError(f"--images must be 1 or more, got {images}")
     flown, commands, count = [], [], 0
     while count < images:
         one, labels = fly(rng, recipe, tracks=tracks, every=MEASURED_EVERY)

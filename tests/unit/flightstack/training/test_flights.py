@@ -42,6 +42,11 @@ def test_what_is_measured_on_comes_from_many_flights():
     assert np.abs(images[3].astype(int) - images[0]).mean() > 1.0
 
 
+def test_no_image_to_measure_on_is_a_clear_error():
+    with pytest.raises(UsageError, match="--images must be 1 or more, got 0"):
+        fly_until(np.random.default_rng(1), SHORT, tracks=VALIDATION_TRACKS, images=0)
+
+
 def test_frames_move_and_commands_lead_ahead(flight):
     images, labels = flight
     assert images.shape == (len(labels), 64, 64, 3)
