@@ -1,10 +1,10 @@
 """Time one decision: M0 with the trunk run once, M0 with M full passes as one batch, and M1 to M4.
 
-Each is called in turn on the same images in one process on one core, so that a busy machine slows
-all of them alike. Models that are not committed run on untrained weights of the right shapes: the
-time is the same. Prints median and 99th percentile, the median of the processor's time, and by that
-the two ratios aimed at: on a busy core a long decision waits for its neighbours and a short
-one seldom does, so that ratios of wall time would flatter.
+Each is called in turn on the same images in one process on one core. Models that are not committed
+run on untrained weights of the right shapes: the time is the same. Prints median and 99th
+percentile, the median of the processor's time, and by that the two ratios aimed at: on a busy core
+a long decision waits for its neighbours and a short one seldom does, so that ratios of wall time
+would flatter.
 """
 
 import argparse

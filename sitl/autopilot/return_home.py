@@ -3,7 +3,7 @@
 CLIMB --height reached--> RETURN --over home--> DESCEND --RTL_DESCEND_ALT--> WAIT --delay--> LAND
 
 The vehicle faces the way home, and as it stood there from the descent on. One that begins near
-home turns so at once, and waits for it.
+home turns so once it has climbed, and descends only then.
 """
 
 import math

@@ -18,13 +18,13 @@ from typing import NamedTuple
 import pytest
 
 from sitl.conditions import Conditions, EstimateErrors
+from sitl.records import Vector3
 from tests.unit.sitl.test_step_responses import WIDER, Bands, Run, respond
 
 SHAKEN = Conditions(estimate=EstimateErrors(rotor_noise_share=1.0))
 SEEDS = 5
 SAMPLE_S, SHARE_ROUNDING = 0.02, 0.005  # how finely times and overshoots were noted
 Range = tuple[float, float]
-Vector3 = tuple[float, float, float]
 
 
 class Row(NamedTuple):
