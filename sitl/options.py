@@ -19,7 +19,7 @@ API_PORTS = (14580, 14540)  # both grow with the instance
 API_REMOTE_LAST = 14549  # PX4 stops there
 CAMERA_PORT = 8090
 PARAMETER_PREFIX = "PX4_PARAM_"
-READY_S, LOCKSTEP_READY_S = 8.5, 1.0  # 8 to 9 s were seen of PX4; in lockstep that is only work
+READY_S = 8.5  # 8 to 9 s were seen of PX4; in lockstep they would only be computed
 
 T = TypeVar("T")
 
@@ -87,7 +87,7 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
         gui=given.gui,
         perfect_estimate=given.perfect_estimate,
         ready_after_s=_first(
-            given.ready_after, None, LOCKSTEP_READY_S if given.lockstep else READY_S
+            given.ready_after, None, values.MIN_READY_S if given.lockstep else READY_S
         ),
         conditions=read_conditions(given.conditions, given.condition),
         instance=instance,

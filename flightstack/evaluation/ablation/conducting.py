@@ -20,7 +20,7 @@ from flightstack.evaluation.ablation.report import ablation_sections
 from flightstack.evaluation.experiments.competitors import plain_name
 from flightstack.evaluation.experiments.conducting import conduct
 from flightstack.evaluation.experiments.experiment import Condition, Experiment, Row, tracks
-from flightstack.evaluation.experiments.flying import fly, weights_of
+from flightstack.evaluation.experiments.flying import fly, models_of
 from flightstack.evaluation.experiments.folder import CALIBRATION, ROWS, Folder, calibration_folder
 from flightstack.evaluation.experiments.options import jobs_of
 from flightstack.evaluation.experiments.rows import read_rows
@@ -89,7 +89,7 @@ def _find_controls(
     else:
         rows = fly(
             experiment,
-            Folder(path, experiment, weights_of(experiment)),
+            Folder(path, experiment, models_of(experiment)),
             jobs=jobs_of(options),
             backend=options.backend,
             keep_logs=False,

@@ -8,7 +8,7 @@ from rich.markdown import Markdown
 
 from flightstack.errors import UsageError
 from flightstack.evaluation.experiments.experiment import Experiment
-from flightstack.evaluation.experiments.flying import fly, weights_of
+from flightstack.evaluation.experiments.flying import fly, models_of
 from flightstack.evaluation.experiments.folder import ROWS, Folder
 from flightstack.evaluation.experiments.options import jobs_of
 from flightstack.evaluation.experiments.rows import TrialRow, read_rows
@@ -56,5 +56,5 @@ def _rows(experiment: Experiment, options: argparse.Namespace) -> list[TrialRow]
             raise UsageError(f"{options.out / ROWS} is of a {rows[0].experiment}")
         return rows
     jobs = jobs_of(options)
-    folder = Folder(options.out, experiment, weights_of(experiment))
+    folder = Folder(options.out, experiment, models_of(experiment))
     return fly(experiment, folder, jobs=jobs, backend=options.backend, keep_logs=options.keep_logs)

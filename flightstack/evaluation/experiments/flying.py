@@ -32,9 +32,13 @@ class UnflownError(FlightstackError):
     """Some trials died in every attempt: their rows are missing."""
 
 
-def weights_of(experiment: Experiment) -> dict[str, str]:
-    """Hash the weights of every model; raises ModelError where one is unknown or damaged."""
-    return {row.model: _checked_sha256(row.model) for row in experiment.rows}
+def models_of(experiment: Experiment) -> dict[str, str]:
+    """Hash the configuration of every model, which also says how its variances are calibrated.
+
+    Raises ModelError where a model is unknown, or its weights are damaged.
+    """
+    names = _weights_of(experiment)
+    return {name: models.file_sha256(models.find(name) / models.CONFIG_FILE) for name in names}
 
 
 def fly(
@@ -44,7 +48,7 @@ def fly(
 
     Raises UnflownError after all others are flown, where trials died in every attempt.
     """
-    weights = weights_of(experiment)
+    weights = _weights_of(experiment)
     version = commit()
     dead: list[Flown] = []
     with folder.locked(), Progress(len(folder.missing), len(folder.rows)) as progress:
@@ -111,6 +115,10 @@ def _provenance(
     return Provenance(
         experiment=experiment.name, commit=version, weights_sha256=weights[trial.row.model]
     )
+
+
+def _weights_of(experiment: Experiment) -> dict[str, str]:
+    return {row.model: _checked_sha256(row.model) for row in experiment.rows}
 
 
 def _checked_sha256(name: str) -> str:

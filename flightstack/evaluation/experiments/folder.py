@@ -30,15 +30,16 @@ TIME_COLUMNS = ("trial", "wall_s", "flight_s", "simulated_s", "deaths")
 class Folder:
     """An experiment's folder, ready to take rows."""
 
-    def __init__(self, path: Path, experiment: Experiment, weights: dict[str, str]) -> None:
+    def __init__(self, path: Path, experiment: Experiment, models: dict[str, str]) -> None:
         """Take it up where an earlier command left it.
 
-        Raises UsageError where it holds anything but this experiment, by the same weights
-        (`weights`: SHA-256 by model); nothing is written then.
+        Raises UsageError where it holds anything but this experiment, by the same models
+        (`models`: the SHA-256 of each one's configuration, which holds that of its weights);
+        nothing is written then.
         """
         self.path = path
         self._experiment = experiment
-        asked = json.loads(json.dumps({**experiment.as_table(), "weights": weights}))
+        asked = json.loads(json.dumps({**experiment.as_table(), "models": models}))
         if (path / ASKED).exists():
             _check_same(path, asked)
         elif path.exists():

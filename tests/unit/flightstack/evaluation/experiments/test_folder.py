@@ -13,7 +13,7 @@ from flightstack.evaluation.flights.trace import Trace
 from flightstack.evaluation.results import paper
 from tests.unit.flightstack.evaluation.made_rows import made_row
 
-WEIGHTS = {"paper/m0": "ab" * 32}
+MODELS = {"paper/m0": "ab" * 32}
 TRACE = Trace(
     time_s=np.arange(2.0),
     position_ned=np.ones((2, 3)),
@@ -39,12 +39,12 @@ def landed(trial: Trial) -> Flown:
 
 
 def test_takes_up_where_it_was_left(tmp_path: Path) -> None:
-    folder = Folder(tmp_path / "out", experiment(), WEIGHTS)
+    folder = Folder(tmp_path / "out", experiment(), MODELS)
     first, *rest = folder.missing
     folder.keep(landed(first))
     with (tmp_path / "out" / "trials.csv").open("a") as file:
         file.write(to_line(made_row(track=1001))[:30])  # the machine went down here
-    again = Folder(tmp_path / "out", experiment(), WEIGHTS)
+    again = Folder(tmp_path / "out", experiment(), MODELS)
     assert again.missing == rest
     with again.locked():
         for trial in reversed(rest):
@@ -61,7 +61,7 @@ def test_takes_up_where_it_was_left(tmp_path: Path) -> None:
 
 
 def test_keeps_traces_logs_and_times(tmp_path: Path) -> None:
-    folder = Folder(tmp_path / "out", experiment(), WEIGHTS)
+    folder = Folder(tmp_path / "out", experiment(), MODELS)
     flown = landed(folder.missing[0])
     folder.keep(flown)
     trace = Trace.load(tmp_path / "out" / "traces" / f"{flown.trial}.npz")
@@ -73,7 +73,7 @@ def test_keeps_traces_logs_and_times(tmp_path: Path) -> None:
 
 
 def test_a_trial_that_only_died_stays_missing(tmp_path: Path) -> None:
-    folder = Folder(tmp_path / "out", experiment(), WEIGHTS)
+    folder = Folder(tmp_path / "out", experiment(), MODELS)
     trial = folder.missing[0]
     folder.keep(Flown(trial=trial, landed=None, deaths=("killed",) * 3, wall_s=1.0))
     assert trial in folder.missing
@@ -81,27 +81,27 @@ def test_a_trial_that_only_died_stays_missing(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("other", "weights", "said"),
+    ("other", "models", "said"),
     [
-        (experiment(trials=2), WEIGHTS, "holds another experiment \\(other trials\\)"),
-        (experiment(), {"paper/m0": "cd" * 32}, "holds another experiment \\(other weights\\)"),
+        (experiment(trials=2), MODELS, "holds another experiment \\(other trials\\)"),
+        (experiment(), {"paper/m0": "cd" * 32}, "holds another experiment \\(other models\\)"),
     ],
 )
 def test_refuses_the_folder_of_another_experiment(
-    tmp_path: Path, other: Experiment, weights: dict[str, str], said: str
+    tmp_path: Path, other: Experiment, models: dict[str, str], said: str
 ) -> None:
-    folder = Folder(tmp_path, experiment(), WEIGHTS)
+    folder = Folder(tmp_path, experiment(), MODELS)
     folder.keep(landed(folder.missing[0]))
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}
     with pytest.raises(UsageError, match=said):
-        Folder(tmp_path, other, weights)
+        Folder(tmp_path, other, models)
     assert before == {p.name: p.read_bytes() for p in tmp_path.iterdir() if p.is_file()}
 
 
 def test_refuses_a_folder_of_other_things(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("mine")
     with pytest.raises(UsageError, match="not empty and holds no experiment"):
-        Folder(tmp_path, experiment(), WEIGHTS)
+        Folder(tmp_path, experiment(), MODELS)
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
 
 
@@ -110,12 +110,12 @@ def test_refuses_a_damaged_folder(tmp_path: Path, text: str) -> None:
     (tmp_path / "experiment.json").write_text(text)
     (tmp_path / "trials.csv").write_text(header_line())
     with pytest.raises(UsageError, match="choose another --out"):
-        Folder(tmp_path, experiment(), WEIGHTS)
+        Folder(tmp_path, experiment(), MODELS)
 
 
 def test_refuses_two_commands_at_once(tmp_path: Path) -> None:
-    folder = Folder(tmp_path / "out", experiment(), WEIGHTS)
-    other = Folder(tmp_path / "out", experiment(), WEIGHTS)
+    folder = Folder(tmp_path / "out", experiment(), MODELS)
+    other = Folder(tmp_path / "out", experiment(), MODELS)
     refused = pytest.raises(UsageError, match="another command is flying")
     with folder.locked(), refused, other.locked():
         pass
