@@ -24,7 +24,7 @@ from tests.wire.lockstep_pilot import (
     Setpoint,
     named,
 )
-from tests.wire.vehicle_process import Vehicle, is_text
+from tests.wire.vehicle_process import Vehicle, is_from, is_text
 
 pytestmark = pytest.mark.flight
 NAN = math.nan
@@ -208,7 +208,8 @@ def test_a_lost_stream_leads_where_the_parameter_says_and_back(
     low, high = LOST_S
     assert low - 2 * READ_S <= failed.time_s - silent_s <= high + 2 * READ_S
     assert (failed.message.text, failed.message.severity) == ("Failsafe activated\t", 2)
-    told_s = [h.time_s for h in heard if h.message.get_type() == "HEARTBEAT"]
+    is_beat = is_from(1, "HEARTBEAT")
+    told_s = [h.time_s for h in heard if is_beat(h.message)]
     gaps_s = [b - a for a, b in itertools.pairwise(told_s)]
     assert max(gaps_s) < BEAT_S + READ_S + FRAME_S
     assert min(gaps_s) > BEAT_S - READ_S - FRAME_S  # a change of mode is not pushed
