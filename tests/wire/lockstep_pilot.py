@@ -6,7 +6,6 @@ silent, and time goes on.
 """
 
 from collections.abc import Callable
-from types import TracebackType
 from typing import Any, NamedTuple, Self
 
 from pymavlink.dialects.v20 import development as mavlink
@@ -58,13 +57,8 @@ class LockstepPilot:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
-        self._viewer.__exit__(kind, error, at)
+    def __exit__(self, *_: object) -> None:
+        self._viewer.__exit__(None, None, None)
 
     def fly(self, seconds: float, setpoint: Setpoint = STILL) -> list[Heard]:
         """Answer each frame of some vehicle time with the setpoint; what was heard."""

@@ -1,7 +1,6 @@
 """Tell how far the trials are, and how long it will take: live on a terminal, else in lines."""
 
 import time
-from types import TracebackType
 from typing import Self
 
 from rich.console import Console
@@ -52,12 +51,7 @@ class Progress:
         self._bar.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._bar.stop()
         wall_s = time.monotonic() - self._began_s
         if self._simulated_s:

@@ -2,7 +2,6 @@
 
 import socket
 import threading
-from types import TracebackType
 
 import cv2
 import numpy as np
@@ -42,12 +41,7 @@ class MadeStream:
         self._thread.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._server.shutdown(socket.SHUT_RDWR)
         self._server.close()
         self._thread.join(5)
