@@ -10,7 +10,10 @@ import pytest
 from pymavlink.dialects.v20 import development as mavlink
 
 from tests.wire.lockstep_pilot import (
+    ACTIVE,
     ARM,
+    BEAT_S,
+    HOME_AMSL_M,
     SET_MODE,
     STANDBY,
     STILL,
@@ -22,13 +25,12 @@ from tests.wire.lockstep_pilot import (
 from tests.wire.vehicle_process import Vehicle, is_acknowledgement, is_from, is_text
 
 pytestmark = pytest.mark.flight
-OFFBOARD, ON_GROUND, IN_AIR, ACTIVE = 0x00060000, 1, 2, 4
+OFFBOARD, ON_GROUND, IN_AIR = 0x00060000, 1, 2
 TELL, STATE_ID, STATE_US = 511, 245, 100_000  # SET_MESSAGE_INTERVAL of EXTENDED_SYS_STATE
-WIDER, BEAT_S = 0.15, 1.01
+WIDER = 0.15
 UP, DOWN = Setpoint((0.0, 0.0, -1.0)), Setpoint((0.0, 0.0, 0.7))
 TAKE_OFF, HOLD, MISSION = 22, 0x03040000, 0x04040000
 FLY_MISSION = (1.0, 4.0, 4.0)  # DO_SET_MODE
-HOME_AMSL_M = 489.4
 
 
 @pytest.fixture

@@ -14,7 +14,10 @@ import pytest
 from pymavlink.dialects.v20 import development as mavlink
 
 from tests.wire.lockstep_pilot import (
+    ACTIVE,
+    BEAT_S,
     FRAME_S,
+    HOME_AMSL_M,
     LOCAL_NED,
     SET_MODE,
     SILENCE,
@@ -30,10 +33,8 @@ pytestmark = pytest.mark.flight
 NAN = math.nan
 OFFBOARD, POSCTL = 0x00060000, 0x00030000
 HOLD, RTL, LAND = 0x03040000, 0x05040000, 0x06040000
-HOME_AMSL_M = 489.4
-ACTIVE, CRITICAL = 4, 5
+CRITICAL = 5
 READ_S = 0.02  # between two ATTITUDEs
-BEAT_S = 1.01
 HEIGHT_M = 10.0
 VELOCITY_AND_YAW = 0x9C7  # instead of the yaw rate
 VELOCITY_AND_HEIGHT = 0x5E3  # x, y and vz ignored
