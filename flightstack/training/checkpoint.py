@@ -1,7 +1,6 @@
 """Keep a training's state on disk so that an interrupted one goes on to the same result."""
 
 import json
-from dataclasses import asdict, fields
 from pathlib import Path
 from pickle import UnpicklingError
 from typing import Any
@@ -11,9 +10,9 @@ from torch import nn
 from torch.optim import Optimizer
 
 from flightstack.errors import UsageError
+from flightstack.training.settings import named_settings
 
 FILE_NAME = "checkpoint.pt"
-ADDED_LATER = "added later"  # metadata of a settings field, see identity_of
 
 
 class Checkpoint:
@@ -60,17 +59,8 @@ class Checkpoint:
 
 
 def identity_of(settings: Any, *, data_sha256: str) -> dict[str, Any]:
-    """Name everything that a training's result depends on.
-
-    A setting that was added later is left out at its default: what was trained before had none.
-    """
-    left_out = {
-        field.name
-        for field in fields(settings)
-        if ADDED_LATER in field.metadata and getattr(settings, field.name) == field.default
-    }
-    named = {key: value for key, value in asdict(settings).items() if key not in left_out}
-    return {**named, "data": data_sha256}
+    """Name everything that a training's result depends on."""
+    return {**named_settings(settings), "data": data_sha256}
 
 
 def _changed(before: dict[str, Any], after: dict[str, Any]) -> str:

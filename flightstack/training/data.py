@@ -21,6 +21,7 @@ from flightstack.training.gate_views import ViewRenderer
 from flightstack.training.piloting import Piloting
 from flightstack.training.recipe import Recipe
 from flightstack.training.seeds import TRAINING_TRACKS, VALIDATION_TRACKS
+from flightstack.training.settings import named_settings
 
 SPLITS = {"train": 1, "validation": 2}  # the numbers enter the seeds
 TRACKS = {"train": TRAINING_TRACKS, "validation": VALIDATION_TRACKS}
@@ -53,7 +54,7 @@ def describe(
     kind: str, recipe: Recipe, seed: int, piloting: Piloting | None = None
 ) -> dict[str, Any]:
     """Name all that a dataset's bytes depend on, but its size."""
-    settings = asdict(recipe.views if kind == "perception" else recipe.flights)
+    settings = named_settings(recipe.views if kind == "perception" else recipe.flights)
     about = {"kind": kind, "recipe": recipe.name, "seed": seed, "settings": settings}
     return about if piloting is None else {**about, "pilot": asdict(piloting)}
 

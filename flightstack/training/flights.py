@@ -16,6 +16,7 @@ from flightstack.training.expert import Expert, FunnelExpert
 from flightstack.training.minimum_jerk import MinimumJerkExpert
 from flightstack.training.recipe import FlightRecipe
 from flightstack.training.seeds import TRAINING_TRACKS
+from sitl.conditions import Conditions, Light
 from sitl.frames import yaw_of
 from sitl.records import CourseState, Gate, Vector3
 from sitl.simulation import CAMERA_RATE_HZ, Simulation, SimulationConfig
@@ -52,6 +53,7 @@ def fly(
             ),
             laps=2,
             first_gate=0 if at_spawn else int(rng.integers(GATES_PER_LAP)),
+            conditions=Conditions(light=Light(fog_visibility_m=recipe.fog.draw_visibility_m(rng))),
         )
     )
     try:

@@ -14,7 +14,7 @@ from flightstack.training.recipe import ViewRecipe
 from sitl.frames import euler_from_quaternion, quaternion_from_euler, rotate, wrap_pi
 from sitl.records import Gate, Quaternion, Vector3
 from sitl.sensors.camera import Camera
-from sitl.sensors.look import draw_look
+from sitl.sensors.look import draw_look, in_fog
 
 LABEL_NAMES = ("range_m", "azimuth_rad", "elevation_rad", "gate_yaw_rad")
 PARKED_NED = (0.0, 0.0, 1000.0)  # where gates wait that are not in the image
@@ -53,7 +53,8 @@ class ViewRenderer:
         ]
         parked = self._parked[1 + len(distractors) :]
         self._camera.place_gates((target, *distractors, *parked))
-        self._camera.set_look(draw_look(rng))
+        look = draw_look(rng)
+        self._camera.set_look(in_fog(look, recipe.fog.draw_visibility_m(rng)))
         return self._spoil(rng, self._camera.render(position, attitude)), label
 
     def _draw_target(

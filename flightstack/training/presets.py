@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from flightstack.perception.cmvae import LossWeights
 from flightstack.policy.scales import VelocityRange
-from flightstack.training.checkpoint import ADDED_LATER
+from flightstack.training.settings import ADDED_LATER
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

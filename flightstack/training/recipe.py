@@ -2,14 +2,42 @@
 
 import math
 import tomllib
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, dataclass, field, fields
 from importlib.resources import files
 from typing import Any, Self, TypeVar, get_args
 
+import numpy as np
+
 from flightstack.errors import UsageError
+from flightstack.training.settings import ADDED_LATER
 
 EXPERTS = ("funnel", "minimum-jerk")
 T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fog:
+    """How often there is fog, and how thick; a recipe without that table has none."""
+
+    share: float  # of the views, and of the flights
+    visibility_m: tuple[float, float]  # drawn log-uniformly
+
+    def __post_init__(self) -> None:
+        """Check what the type alone does not."""
+        if not 0.0 <= self.share <= 1.0:
+            raise UsageError(f"fog.share: must be from 0 to 1, got {self.share}")
+        low, high = self.visibility_m
+        if not 0.0 < low <= high:
+            raise UsageError(f"fog.visibility_m: [{low}, {high}] is not in order above 0")
+
+    def draw_visibility_m(self, rng: np.random.Generator) -> float:
+        """Draw how far one sees; infinite without fog."""
+        if self.share == 0.0 or rng.random() >= self.share:  # without fog nothing is drawn
+            return math.inf
+        return math.exp(float(rng.uniform(*np.log(self.visibility_m))))
+
+
+NO_FOG = Fog(share=0.0, visibility_m=(1.0, 1.0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,6 +59,7 @@ class ViewRecipe:
     blur_std_px: tuple[float, float]
     noise_share: float
     noise_std: float  # of 255
+    fog: Fog = field(default=NO_FOG, metadata={ADDED_LATER: True})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,6 +79,7 @@ class FlightRecipe:
     noise_time_constant_s: float
     lost_frames: int  # dropped before a collision or a miss
     held_out_radius_noise_m: tuple[float, float] = (0.0, 0.0)  # never drawn, from low to high
+    fog: Fog = field(default=NO_FOG, metadata={ADDED_LATER: True})
 
     def __post_init__(self) -> None:
         """Check what the type alone does not."""
@@ -93,31 +123,38 @@ class Recipe:
             table = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
             raise UsageError(f"recipe {name}: not TOML: {error}") from error
-        if set(table) != {"views", "flights"}:
-            raise UsageError(f"recipe {name}: expected [views] and [flights], got {sorted(table)}")
+        if set(table) - {"fog"} != {"views", "flights"}:
+            raise UsageError(
+                f"recipe {name}: expected [views], [flights] and perhaps [fog], got {sorted(table)}"
+            )
+        fog = _build(Fog, table["fog"], f"recipe {name}: fog") if "fog" in table else NO_FOG
         return cls(
             name=name,
-            views=_build(ViewRecipe, table["views"], f"recipe {name}: views"),
-            flights=_build(FlightRecipe, table["flights"], f"recipe {name}: flights"),
+            views=_build(ViewRecipe, table["views"], f"recipe {name}: views", fog=fog),
+            flights=_build(FlightRecipe, table["flights"], f"recipe {name}: flights", fog=fog),
         )
 
 
-def _build(record: type[T], table: dict[str, Any], where: str) -> T:
+def _build(record: type[T], table: dict[str, Any], where: str, **known_already: Any) -> T:
     values = {}
     for key, value in table.items():
         in_radians = key.endswith("_deg")
         name = key.removesuffix("_deg") + "_rad" if in_radians else key
         values[name] = math.radians(value) if in_radians else value
-    known = {field.name: field for field in fields(record)}  # type: ignore[arg-type]
+    known = {
+        item.name: item
+        for item in fields(record)  # type: ignore[arg-type]
+        if item.name not in known_already
+    }
     unknown = sorted(set(values) - set(known))
     missing = sorted(
-        name for name, field in known.items() if field.default is MISSING and name not in values
+        name for name, item in known.items() if item.default is MISSING and name not in values
     )
     if unknown or missing:
         what = f"unknown {', '.join(unknown)}" if unknown else f"missing {', '.join(missing)}"
         raise UsageError(f"{where}: {what}; known are: {', '.join(known)}")
     checked = {name: _typed(values[name], known[name].type, f"{where}.{name}") for name in values}
-    return record(**checked)
+    return record(**checked, **known_already)
 
 
 def _typed(value: Any, wanted: Any, where: str) -> Any:

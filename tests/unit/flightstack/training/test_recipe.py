@@ -34,7 +34,10 @@ def test_an_unknown_recipe_names_the_known():
         ("most_distractors = 3", "most_distractors = 2.5", "expected int"),
         ("noise_share = 0.5", "noise_share = nan", "expected float"),
         ('expert = "funnel"', 'expert = "lucky"', "none of funnel, minimum-jerk"),
-        ("[flights]", "[planes]", r"expected \[views\] and \[flights\]"),
+        ("[flights]", "[planes]", r"expected \[views\], \[flights\]"),
+        ("share = 0.25\nvis", "share = 1.25\nvis", "fog.share: must be from 0 to 1, got 1.25"),
+        ("visibility_m = [12.0", "visibility_m = [90.0", "fog.visibility_m: .* not in order"),
+        ("[views]  #", "[views]\nfog = 1  #", "unknown fog"),
         ("range_m = [", "range_m = [[", "not TOML"),
     ],
 )
