@@ -1,4 +1,8 @@
-"""All of it: data, encoders, policies and model folders, whatever of it is not there yet."""
+"""All of it: data, encoders, policies and model folders, whatever of it is not there yet.
+
+Where a recipe asks for DAgger, a first M0 learns from the expert's flights alone and flies others;
+then all policies learn from both. What it flies depends on its training, and lies with the runs.
+"""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,8 +14,9 @@ from flightstack.errors import UsageError
 from flightstack.training.assemble import write_model
 from flightstack.training.catalogue import ModelPlan, read_catalogue
 from flightstack.training.data import describe, generate_control, generate_perception
-from flightstack.training.dataset import Dataset, read_dataset, refuse_other
+from flightstack.training.dataset import Dataset, join, read_dataset, refuse_other
 from flightstack.training.perception import train_perception
+from flightstack.training.piloting import Piloting
 from flightstack.training.policy import train_policy
 from flightstack.training.presets import (
     CALIBRATION_IMAGES,
@@ -20,9 +25,11 @@ from flightstack.training.presets import (
     policy_settings,
 )
 from flightstack.training.recalibrate import Labelled, recalibrate
-from flightstack.training.recipe import Recipe
+from flightstack.training.recipe import Dagger, Recipe
 from flightstack.training.runs import perception_folder, policy_folder, read_run
 
+PILOT = "m0"  # who flies DAgger's flights
+DAGGER_SEEDS = 1 << 20  # its flights are other ones than the expert's
 PROCESSES = 2  # trainings side by side on a CPU, one thread each; an accelerator takes one
 
 
@@ -57,6 +64,18 @@ class Plan:
         """Where this recipe's runs lie."""
         return self.runs / self.recipe
 
+    @property
+    def dagger_folder(self) -> Path:
+        """Where the first M0 lies, its training and its flights."""
+        return self.run_folder / f"dagger-{self.seed}"
+
+    def flights(self) -> Dataset:
+        """Open what policies learn from: the expert's flights, and with DAgger the first M0's."""
+        flights = [self.dataset("control")]
+        if Recipe.load(self.recipe).dagger:
+            flights.append(read_dataset(self.dagger_folder / "control"))
+        return join(flights)
+
 
 def train_all(plan: Plan) -> None:
     """Make the data, train the encoders and policies, and write the models' folders.
@@ -65,10 +84,14 @@ def train_all(plan: Plan) -> None:
     """
     catalogue = plan.catalogue()
     make_data(plan)
-    encoders = sorted({model.encoder for model in catalogue.values()})
+    dagger = Recipe.load(plan.recipe).dagger
+    steering = {read_catalogue()[PILOT].encoder} if dagger else set()
+    encoders = sorted({model.encoder for model in catalogue.values()} | steering)
     stacks = sorted({(model.encoder, model.policy) for model in catalogue.values()})
     processes = Parallel(n_jobs=PROCESSES if plan.device == "cpu" else 1)
     processes(delayed(train_encoder)(plan, encoder) for encoder in encoders)
+    if dagger:
+        fly_dagger(plan, dagger)
     processes(delayed(train_stack)(plan, *stack) for stack in stacks)
     images = CALIBRATION_IMAGES[plan.preset]
     validation = Labelled.flown(plan.recipe, images=images, seed=plan.data_seed)
@@ -113,14 +136,39 @@ def train_encoder(plan: Plan, encoder: str) -> None:
 
 
 def train_stack(plan: Plan, encoder: str, policy: str) -> None:
-    """Train one stack of policies in this process."""
+    """Train one stack of policies in this process, from all flights."""
+    _train_stack(plan, encoder, policy, plan.flights(), plan.run_folder)
+
+
+def _train_stack(plan: Plan, encoder: str, policy: str, flights: Dataset, runs: Path) -> None:
     torch.set_num_threads(1)
     perception = read_run(perception_folder(plan.run_folder, encoder, plan.seed))
     train_policy(
-        plan.dataset("control"),
+        flights,
         perception.encoder(),
         policy_settings(plan.preset, kind=policy, seed=plan.seed),
-        policy_folder(plan.run_folder, encoder, policy, plan.seed),
+        policy_folder(runs, encoder, policy, plan.seed),
         perception=perception.sha256,
         device=torch.device(plan.device),
+    )
+
+
+def fly_dagger(plan: Plan, dagger: Dagger) -> None:
+    """Let an M0 that has learned from the expert alone fly, and the expert label what it sees."""
+    pilot, folder = read_catalogue()[PILOT], plan.dagger_folder
+    _train_stack(plan, pilot.encoder, pilot.policy, plan.dataset("control"), folder)
+    write_model(
+        folder / PILOT,
+        pilot,
+        read_run(perception_folder(plan.run_folder, pilot.encoder, plan.seed)),
+        read_run(policy_folder(folder, pilot.encoder, pilot.policy, plan.seed)),
+        recipe=plan.recipe,
+        preset=plan.preset,
+    )
+    generate_control(
+        folder / "control",
+        Recipe.load(plan.recipe),
+        images=round(dagger.images_share * IMAGES[plan.preset]["control"]),
+        seed=DAGGER_SEEDS + plan.data_seed,
+        piloting=Piloting.by(str(folder / PILOT), share=1.0),
     )

@@ -1,8 +1,4 @@
-"""Rounds of DAgger: a trained model flies a share of the flights, and the expert labels them.
-
-Reference: Ross et al. 2011, "A reduction of imitation learning and structured prediction to
-no-regret online learning".
-"""
+"""Rounds of DAgger: a trained model flies a share of the flights, and the expert labels them."""
 
 from dataclasses import dataclass
 from typing import Self

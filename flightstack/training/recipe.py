@@ -94,12 +94,31 @@ class FlightRecipe:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Dagger:
+    """A round of flights that a first model steers, for policies to learn from beside the expert's.
+
+    Reference: Ross et al. 2011, "A reduction of imitation learning and structured prediction to
+    no-regret online learning".
+    """
+
+    images_share: float  # of as many images as the expert's flights have
+
+    def __post_init__(self) -> None:
+        """Check what the type alone does not."""
+        if not 0.0 < self.images_share <= 10.0:
+            raise UsageError(
+                f"dagger.images_share: must be above 0, up to 10, got {self.images_share}"
+            )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Recipe:
-    """How to make both datasets."""
+    """How to make the data."""
 
     name: str
     views: ViewRecipe
     flights: FlightRecipe
+    dagger: Dagger | None = None
 
     @classmethod
     def load(cls, name: str) -> Self:
@@ -123,15 +142,18 @@ class Recipe:
             table = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
             raise UsageError(f"recipe {name}: not TOML: {error}") from error
-        if set(table) - {"fog"} != {"views", "flights"}:
+        if set(table) - {"fog", "dagger"} != {"views", "flights"}:
             raise UsageError(
-                f"recipe {name}: expected [views], [flights] and perhaps [fog], got {sorted(table)}"
+                f"recipe {name}: expected [views] and [flights], and perhaps [fog] and [dagger], "
+                f"got {sorted(table)}"
             )
         fog = _build(Fog, table["fog"], f"recipe {name}: fog") if "fog" in table else NO_FOG
+        dagger = table.get("dagger")
         return cls(
             name=name,
             views=_build(ViewRecipe, table["views"], f"recipe {name}: views", fog=fog),
             flights=_build(FlightRecipe, table["flights"], f"recipe {name}: flights", fog=fog),
+            dagger=dagger and _build(Dagger, dagger, f"recipe {name}: dagger"),
         )
 
 

@@ -17,12 +17,14 @@ from flightstack.training import everything
 from flightstack.training.assemble import write_model
 from flightstack.training.card import model_card
 from flightstack.training.catalogue import read_catalogue
-from flightstack.training.dataset import Dataset
+from flightstack.training.data import generate_control
+from flightstack.training.dataset import Dataset, read_dataset
 from flightstack.training.perception import PerceptionRun
 from flightstack.training.policy import train_policy
 from flightstack.training.policy_metrics import PolicyMetrics
 from flightstack.training.presets import PolicySettings
 from flightstack.training.recalibrate import Labelled, measure, recalibrate
+from flightstack.training.recipe import Dagger, Recipe
 from flightstack.training.runs import read_run
 
 
@@ -116,19 +118,9 @@ def test_a_model_is_measured_as_it_flies(folder: Path, control_data: Dataset) ->
     assert one.latent_std == metrics(sampling="mean", samples=1).latent_std == (0.0,) * 4
 
 
-def test_all_calibrates_every_model_that_it_writes(
-    perception_run: PerceptionRun,
-    policy_folder: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    runs = tmp_path / "runs" / "strong"
-    shutil.copytree(perception_run.folder, runs / "perception-mcd-0")
-    shutil.copytree(policy_folder, runs / "policy-mcd-ensemble-0")
-    for finished in ("make_data", "train_encoder", "train_stack"):
-        monkeypatch.setattr(everything, finished, lambda *_: None)
-    monkeypatch.setitem(everything.CALIBRATION_IMAGES, "quick", 20)
-    plan = everything.Plan(
+@pytest.fixture
+def plan(tmp_path: Path) -> everything.Plan:
+    return everything.Plan(
         recipe="strong",
         preset="quick",
         seed=0,
@@ -139,6 +131,46 @@ def test_all_calibrates_every_model_that_it_writes(
         models=tmp_path / "models",
         only=("m0",),
     )
+
+
+def test_policies_learn_from_a_first_models_flights_too(
+    perception_run: PerceptionRun,
+    policy_folder: Path,
+    plan: everything.Plan,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    learned_from = []
+    monkeypatch.setattr(everything, "_train_stack", lambda *given: learned_from.append(given[3]))
+    monkeypatch.setitem(everything.IMAGES["quick"], "control", 20)
+    shutil.copytree(perception_run.folder, plan.run_folder / "perception-mcd-0")
+    shutil.copytree(policy_folder, plan.dagger_folder / "policy-mcd-ensemble-0")
+    expert = plan.data / "strong" / "control"
+    generate_control(expert, Recipe.load("strong"), images=20, seed=0, jobs=1, report=print)
+    everything.fly_dagger(plan, Dagger(images_share=0.5))
+    everything.train_stack(plan, "mcd", "ensemble")
+
+    pilot = models.read_config(plan.dagger_folder / "m0" / models.CONFIG_FILE)
+    alone, both = learned_from
+    assert alone.sha256 == read_dataset(expert).sha256
+    assert [len(both.splits[name]) for name in ("train", "validation")] == [18 + 9, 2 + 1]
+    flown = both.manifest["joined"][1]
+    assert flown["pilot"]["weights_sha256"] == pilot.weights_sha256
+    assert flown["seed"] != both.manifest["joined"][0]["seed"]
+
+
+def test_all_calibrates_every_model_that_it_writes(
+    perception_run: PerceptionRun,
+    policy_folder: Path,
+    plan: everything.Plan,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    runs = tmp_path / "runs" / "strong"
+    shutil.copytree(perception_run.folder, runs / "perception-mcd-0")
+    shutil.copytree(policy_folder, runs / "policy-mcd-ensemble-0")
+    for finished in ("make_data", "train_encoder", "fly_dagger", "train_stack"):
+        monkeypatch.setattr(everything, finished, lambda *_: None)
+    monkeypatch.setitem(everything.CALIBRATION_IMAGES, "quick", 20)
     everything.train_all(plan)
     folder = tmp_path / "models" / "strong" / "m0"
     assert json.loads((folder / "metrics.json").read_text())["policy"]["images"] == 20
