@@ -81,11 +81,15 @@ def _recalibration(config: ModelConfig) -> str:
     scaled = [f"{name} x {factor:.2f}" for name, factor in pairs if factor != 1.0]
     if not scaled:
         return "Predicted variances are as they were learned: none needed recalibration."
-    low, high = GOOD_COVERAGE
+    low, high = map(_percent, GOOD_COVERAGE)
     return (
         f"Predicted variances are recalibrated on the same images: {', '.join(scaled)}.\n"
-        f"As learned, their 90 % intervals covered less than {low:.0%} or more than {high:.0%}."
+        f"As learned, their 90 % intervals covered less than {low} or more than {high}."
     )
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.0f} %"
 
 
 def _facts_table(config: ModelConfig) -> str:
@@ -132,5 +136,5 @@ def _policy_table(metrics: dict[str, Any], *, probabilistic: bool) -> str:
         rmse, constant = metrics["rmse"][k], metrics["constant_rmse"][k]
         nll = f"{metrics['nll'][k]:.2f}" if probabilistic else "none"
         coverage = metrics["coverage"][k]
-        lines.append(f"| {name} | {rmse:.3f} | {constant:.3f} | {nll} | {coverage:.0%} |")
+        lines.append(f"| {name} | {rmse:.3f} | {constant:.3f} | {nll} | {_percent(coverage)} |")
     return "\n".join(lines)

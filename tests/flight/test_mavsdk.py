@@ -4,7 +4,6 @@ import math
 from functools import partial
 from operator import eq
 from pathlib import Path
-from typing import Any
 
 import pytest
 from mavsdk import System
@@ -13,7 +12,7 @@ from mavsdk.plugins.offboard import Offboard, VelocityBodyYawspeed
 from mavsdk.plugins.telemetry import FlightMode, LandedState, Telemetry
 
 from tests.flight.mavsdk_vehicle import PATIENCE_S, Latest, Track, found_vehicle
-from tests.flight.tlogs import of_type, read
+from tests.flight.tlogs import of_type, read, seconds_until
 
 pytestmark = pytest.mark.flight
 ARM, SET_MODE = 400, 176
@@ -34,11 +33,13 @@ def test_takes_off_holds_flies_a_square_and_lands(tmp_path: Path) -> None:
     messages = read(log)
     orders = of_type(messages, "COMMAND_LONG")
     armed_s = next(m._timestamp for m in orders if m.command == ARM)
-    in_air_s = first(messages, "EXTENDED_SYS_STATE", armed_s, lambda m: m.landed_state in (2, 3))
+    in_air_s = seconds_until(
+        messages, "EXTENDED_SYS_STATE", lambda m: m.landed_state in (2, 3), armed_s
+    )
     low, high = IN_AIR_S
     assert low * (1.0 - WIDER) <= in_air_s <= high * (1.0 + WIDER)
     stopped_s = [m._timestamp for m in orders if m.command == SET_MODE][-1]
-    held_s = first(messages, "HEARTBEAT", stopped_s, lambda m: m.custom_mode == HOLD)
+    held_s = seconds_until(messages, "HEARTBEAT", lambda m: m.custom_mode == HOLD, stopped_s)
     assert held_s <= STOPPED_S * (1.0 + WIDER)
 
 
@@ -94,9 +95,3 @@ def fly_leg(offboard: Offboard, track: Track, forward: float, right: float) -> N
     low, high = LEG_M
     assert low * (1.0 - WIDER) <= forward * north + right * east <= high * (1.0 + WIDER)
     assert abs(right * north + forward * east) < STRAY_M
-
-
-def first(messages: list[Any], name: str, since_s: float, meets: Any) -> float:
-    """Seconds of vehicle time from `since_s` to the first such message of the autopilot."""
-    found = (m for m in of_type(messages, name) if m.get_srcComponent() == 1 and meets(m))
-    return float(next(m._timestamp for m in found if m._timestamp >= since_s) - since_s)

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import development as mavlink
 
-from tests.flight.tlogs import of_type, read
+from tests.flight.tlogs import of_type, read, seconds_until
 from tests.wire.vehicle_process import Vehicle, is_from, is_text
 
 pytestmark = pytest.mark.flight
@@ -97,12 +97,6 @@ def pilot(tmp_path: Path) -> Iterator[Pilot]:
         yield Pilot(vehicle, log)
 
 
-def first(messages: list[Any], name: str, meets: Callable[[Any], bool], since_s: float) -> float:
-    """Seconds from `since_s` to the first such message."""
-    found = (m for m in of_type(messages, name) if m._timestamp >= since_s and meets(m))
-    return float(next(found)._timestamp - since_s)
-
-
 def test_home_is_known_before_the_vehicle_is_ready(tmp_path: Path) -> None:
     """PX4: a home some 4 s after boot; "Ready for takeoff!" 8 to 9 s after the process's start."""
     log = tmp_path / "vehicle.tlog"
@@ -114,7 +108,7 @@ def test_home_is_known_before_the_vehicle_is_ready(tmp_path: Path) -> None:
     messages = read(log)
     started_s = messages[0]._timestamp
     home_s = of_type(messages, "HOME_POSITION")[0]._timestamp - started_s
-    ready_s = first(messages, "STATUSTEXT", lambda m: m.text.startswith("Ready"), started_s)
+    ready_s = seconds_until(messages, "STATUSTEXT", lambda m: m.text.startswith("Ready"), started_s)
     assert 4.0 <= home_s <= 6.0  # it is sent every 2 s
     assert 8.0 <= ready_s <= 9.0
     early = {
@@ -140,16 +134,20 @@ def test_take_off_and_landing_take_their_time(pilot: Pilot) -> None:
     commands = {m.command: m._timestamp for m in of_type(messages, "COMMAND_LONG")}
 
     def state(number: int, since_s: float) -> float:
-        return first(messages, "EXTENDED_SYS_STATE", lambda m: m.landed_state == number, since_s)
+        return seconds_until(
+            messages, "EXTENDED_SYS_STATE", lambda m: m.landed_state == number, since_s
+        )
 
     def text(beginning: str, since_s: float) -> float:
-        return first(messages, "STATUSTEXT", lambda m: m.text.startswith(beginning), since_s)
+        return seconds_until(
+            messages, "STATUSTEXT", lambda m: m.text.startswith(beginning), since_s
+        )
 
     off_s, down_s = commands[ARM], commands[LAND]
     assert 0.8 <= state(TAKING_OFF, off_s) <= 2.8
     assert 5.3 <= state(IN_AIR, off_s) <= 7.3
     flying_s = off_s + 2.0  # it was in HOLD when it was armed, too
-    held = first(messages, "HEARTBEAT", lambda m: m.custom_mode == HOLD, flying_s)
+    held = seconds_until(messages, "HEARTBEAT", lambda m: m.custom_mode == HOLD, flying_s)
     assert 5.4 <= held + 2.0 <= 7.4
     assert state(LANDING, down_s) <= 1.1
     landed_s = text("Landing detected", down_s)

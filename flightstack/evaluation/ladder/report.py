@@ -34,7 +34,7 @@ def ladder_sections(
             else []
         ),
         "## How trials ended\n\n" + by_rung(summary, outcomes),
-        "## Differences on the same tracks\n\n" + differences(summary),
+        *differences(summary),
         "## Share of trials that passed at least so many gates\n\n" + survival(summary),
         "## Rungs\n\n" + "".join(f"- **{name}**: {text}\n" for name, text in about.items()),
         footnotes(summary),

@@ -40,28 +40,26 @@ def common_sections(summary: Summary) -> list[str]:
         "## Whole courses\n\n" + cells(summary, lambda cell: figure(cell.full, ".0%")),
         "## Mean speed, m/s\n\n" + cells(summary, lambda cell: figure(cell.speed_m_s)),
         "## How trials ended\n\n" + cells(summary, outcomes),
-        "## Differences on the same tracks\n\n" + differences(summary),
+        *differences(summary),
         "## Share of trials that passed at least so many gates\n\n" + survival(summary),
         footnotes(summary),
     ]
 
 
-def differences(summary: Summary) -> str:
-    """Write the paired differences."""
+def differences(summary: Summary) -> list[str]:
+    """Write the paired differences, where there are any."""
     header = ["row - row", "condition", "gates", "whole courses", "mean speed, m/s"]
-    return table(
-        header,
-        (
-            [
-                f"{one.row} - {one.minus}",
-                one.condition,
-                figure(one.gates, "+.2f"),
-                figure(one.full, "+.0%"),
-                figure(one.speed_m_s, "+.2f"),
-            ]
-            for one in summary.differences
-        ),
-    )
+    lines = [
+        [
+            f"{one.row} - {one.minus}",
+            one.condition,
+            figure(one.gates, "+.2f"),
+            figure(one.full, "+.0%"),
+            figure(one.speed_m_s, "+.2f"),
+        ]
+        for one in summary.differences
+    ]
+    return ["## Differences on the same tracks\n\n" + table(header, lines)] if lines else []
 
 
 def survival(summary: Summary) -> str:

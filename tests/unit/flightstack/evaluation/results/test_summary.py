@@ -36,6 +36,13 @@ def test_tells_only_the_pairs_that_were_asked_for() -> None:
     assert [(one.row, one.minus) for one in summary.differences] == [("m1-mean", "m0-mi-mode")]
 
 
+def test_a_row_alone_has_no_table_of_differences() -> None:
+    alone = [row for row in rows() if row.row == "m0-mean"]
+    heading = "## Differences on the same tracks"
+    assert heading in "".join(plain_sections(summarise(rows()), "All"))
+    assert heading not in "".join(plain_sections(summarise(alone), "One"))
+
+
 def test_the_papers_figures_stand_beside_ours() -> None:
     text = "\n".join(table_sections(summarise(rows())))
     assert "| row | level1 | paper |" in text
