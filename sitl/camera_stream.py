@@ -45,6 +45,7 @@ class CameraStream:
         self._clients: dict[socket.socket, _Client] = {}
         self._latest: Frame | None = None
         self._parts: dict[str, bytes] = {}  # of the latest frame, by encoding
+        self.has_viewers = False  # anybody is connected to a stream
 
     def close(self) -> None:
         """Close all connections and free the port."""
@@ -62,11 +63,6 @@ class CameraStream:
     def uri(self) -> str:
         """Where the lossless stream is."""
         return f"http://{LOOPBACK}:{self.port}/stream"
-
-    @property
-    def has_viewers(self) -> bool:
-        """Whether anybody is connected to a stream."""
-        return any(client.encoding is not None for client in self._clients.values())
 
     def fileno(self) -> int:
         """Give what becomes readable when `serve` has something to do: the selector's own."""
@@ -126,6 +122,7 @@ class CameraStream:
         if is_complete(client.request):
             client.answered = True
             head, client.encoding = answer(client.request)
+            self._count_viewers()
             client.pending = memoryview(head)
             self._flush(client)
         elif len(client.request) > MAX_REQUEST_BYTES:
@@ -167,6 +164,10 @@ class CameraStream:
         del self._clients[client.connection]
         self._selector.unregister(client.connection)
         client.connection.close()
+        self._count_viewers()
+
+    def _count_viewers(self) -> None:
+        self.has_viewers = any(client.encoding is not None for client in self._clients.values())
 
 
 def _listen(port: int) -> socket.socket:

@@ -20,6 +20,11 @@ class Pace:
         self._warned = False
         self.restart(0)
 
+    @property
+    def is_unlimited(self) -> bool:
+        """Whether it is as fast as possible: every tick is due."""
+        return self._speed_factor == 0.0
+
     def restart(self, time_us: int) -> None:
         """Let vehicle time `time_us` be now."""
         self._wall_s = self._clock()

@@ -40,11 +40,11 @@ class FlightLog:
         self._flights = 0
         self.finished: list[LogFile] = []
 
-    def record(self, raw: bytes, *, link: int) -> None:
-        """Keep one frame, if there is a flight."""
+    def record(self, *frames: bytes, link: int) -> None:
+        """Keep frames of one moment, if there is a flight."""
         if self._writer is not None and self._bytes < MAX_BYTES:
-            self._bytes += len(raw)
-            self._writer.record(raw, link=link)
+            self._bytes += sum(map(len, frames))
+            self._writer.record(*frames, link=link)
 
     def follow(self, *, armed: bool) -> None:
         """Begin or end a flight's log."""

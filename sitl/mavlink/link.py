@@ -20,8 +20,8 @@ MAX_DATAGRAM_BYTES = 1400  # below any usual network's limit
 class Tap(Protocol):
     """Whoever keeps a copy of the traffic."""
 
-    def record(self, raw: bytes, *, link: int) -> None:
-        """Take one frame of link number `link`."""
+    def record(self, *frames: bytes, link: int) -> None:
+        """Take frames of one moment, on link number `link`."""
 
 
 class Radio(Protocol):
@@ -53,6 +53,8 @@ class Link(ABC):
         self.radio: Radio | None = None  # what spoils the bytes on their way, if anything does
         self._sequences: dict[int, int] = {}
         self._texts = 0
+        self._gathers = False
+        self._gathered = b""
 
     @abstractmethod
     def close(self) -> None:
@@ -100,11 +102,11 @@ class Link(ABC):
         """Send the autopilot's packed messages in as few datagrams as hold them."""
         if not self.is_open:
             return
+        frames = [self._frame(packet, AUTOPILOT) for packet in packets]
+        for tap in self._taps:
+            tap.record(*frames, link=self.index)
         datagram = b""
-        for packet in packets:
-            raw = self._frame(packet, AUTOPILOT)
-            for tap in self._taps:
-                tap.record(raw, link=self.index)
+        for raw in frames:
             if len(datagram) + len(raw) > MAX_DATAGRAM_BYTES:
                 self._emit(datagram)
                 datagram = b""
@@ -118,10 +120,25 @@ class Link(ABC):
             tap.record(raw, link=self.index)
         self._emit(raw)
 
+    def gather(self) -> None:
+        """Keep what is sent from now on until `flush`, so that it leaves in few datagrams."""
+        self._gathers = True
+
+    def flush(self) -> None:
+        """Let go what was gathered."""
+        if self._gathered:
+            data, self._gathered = self._gathered, b""
+            self._transmit(data)
+
     def _emit(self, data: bytes) -> None:
-        if self.radio is None:
+        if self.radio is None and self._gathers:
+            if len(self._gathered) + len(data) > MAX_DATAGRAM_BYTES:
+                self.flush()
+            self._gathered += data
+        elif self.radio is None:
             self._transmit(data)
         else:
+            self.flush()
             self.radio.carry(data, self._transmit)
 
     def next_text_id(self) -> int:

@@ -1,6 +1,5 @@
 """Send what the vehicle says by itself: streams and texts, each encoded once for all links."""
 
-import itertools
 from collections.abc import Callable, Sequence
 
 from sitl.mavlink.dialect import AUTOPILOT, Message, mavlink
@@ -76,15 +75,16 @@ class Outgoing:
 
     def send_streams(self, time_us: int, make_view: Callable[[], View]) -> None:
         """Send what the links' tables say is due, each link's in one datagram."""
-        due = [streams.due(time_us) for streams in self.streams]
-        if not any(due):
-            return
-        view = make_view()
+        view: View | None = None
         packets: dict[int, Packet | None] = {}
-        for message_id in itertools.chain(*due):
-            if message_id not in packets:
-                message = ENCODERS[message_id](view)
-                packets[message_id] = None if message is None else pack(message)
-        for link, message_ids in zip(self._links, due, strict=True):
-            known = (packets[message_id] for message_id in message_ids)
+        for link, streams in zip(self._links, self.streams, strict=True):
+            due = streams.due(time_us)
+            if not due:
+                continue
+            view = view or make_view()
+            for message_id in due:
+                if message_id not in packets:
+                    message = ENCODERS[message_id](view)
+                    packets[message_id] = None if message is None else pack(message)
+            known = [packets[message_id] for message_id in due]
             link.send_together([packet for packet in known if packet is not None])

@@ -29,6 +29,7 @@ class BadRadio:
         """Be at that time, with that failure: send what is late, give what has come in late."""
         self.kind, self._time_us = kind, time_us
         for link in self._links:
+            link.flush()
             link.radio = self if kind in SPOILS else None
         while self._out and self._out[0][0] <= time_us:
             _, transmit, data = self._out.popleft()

@@ -96,31 +96,41 @@ GROUND_STATION = Profile(default=NORMAL, at_start={**NORMAL, **SIMULATION_RAISES
 OFFBOARD_API = Profile(default=ONBOARD, at_start=ONBOARD)
 
 
+@dataclass(slots=True, eq=False)
+class _Stream:
+    """Messages that are due together, always."""
+
+    schedule: Schedule
+    message_ids: set[int]
+
+
 class StreamTable:
     """What one link sends when."""
 
     def __init__(self, profile: Profile) -> None:
         self._profile = profile
-        self._schedules: dict[int, Schedule] = {}
+        self._streams: dict[int, _Stream] = {}
         self._intervals_us: dict[int, int] = {}
-        self._queue: list[tuple[int, int, int, Schedule]] = []  # due time, message id, tie-break
+        self._queue: list[tuple[int, int, _Stream]] = []  # due time, tie-break
         self._entries = itertools.count()
+        by_rate: dict[float, set[int]] = {}
         for message_id, rate_hz in profile.at_start.items():
-            self._start(message_id, round(SECOND_US / rate_hz), Schedule(rate_hz))
+            by_rate.setdefault(rate_hz, set()).add(message_id)
+        for rate_hz, message_ids in by_rate.items():
+            self._start(message_ids, round(SECOND_US / rate_hz), Schedule(rate_hz))
 
     def due(self, time_us: int) -> list[int]:
         """Say which messages to send now, in the order of their ids."""
         queue = self._queue
-        if not queue or queue[0][0] > time_us:
-            return []
-        due = []
-        while queue and queue[0][0] <= time_us:
-            _, message_id, entry, schedule = heapq.heappop(queue)
-            if self._schedules.get(message_id) is not schedule:
-                continue  # its rate was changed
-            schedule.due(time_us)
-            heapq.heappush(queue, (schedule.next_due_us, message_id, entry, schedule))
-            due.append(message_id)
+        due: list[int] = []
+        while queue[0][0] <= time_us:
+            _, entry, stream = queue[0]
+            if not stream.message_ids:  # their rates were changed
+                heapq.heappop(queue)
+                continue
+            stream.schedule.due(time_us)
+            heapq.heapreplace(queue, (stream.schedule.next_due_us, entry, stream))
+            due += stream.message_ids
         return sorted(due)
 
     def interval_us(self, message_id: int) -> int:
@@ -134,18 +144,20 @@ class StreamTable:
         if interval_us == DEFAULT_US:
             rate_hz = self._profile.default.get(message_id)
             interval_us = DISABLED_US if rate_hz is None else round(SECOND_US / rate_hz)
-        self._schedules.pop(message_id, None)
+        if message_id in self._streams:
+            self._streams.pop(message_id).message_ids.remove(message_id)
         self._intervals_us.pop(message_id, None)
         if interval_us > 0:
             schedule = Schedule(Fraction(SECOND_US, interval_us), start_us=time_us)
-            self._start(message_id, interval_us, schedule)
+            self._start({message_id}, interval_us, schedule)
         return True
 
-    def _start(self, message_id: int, interval_us: int, schedule: Schedule) -> None:
-        self._schedules[message_id] = schedule
-        self._intervals_us[message_id] = interval_us
+    def _start(self, message_ids: set[int], interval_us: int, schedule: Schedule) -> None:
+        stream = _Stream(schedule, message_ids)
+        for message_id in message_ids:
+            self._streams[message_id] = stream
+            self._intervals_us[message_id] = interval_us
         if len(self._queue) >= MAX_QUEUE:
-            self._queue = [e for e in self._queue if self._schedules.get(e[1]) is e[3]]
+            self._queue = [entry for entry in self._queue if entry[2].message_ids]
             heapq.heapify(self._queue)
-        entry = (schedule.next_due_us, message_id, next(self._entries), schedule)
-        heapq.heappush(self._queue, entry)
+        heapq.heappush(self._queue, (schedule.next_due_us, next(self._entries), stream))

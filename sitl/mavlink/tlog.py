@@ -56,12 +56,12 @@ class TlogWriter:
         self._failed = False
         self.clock = clock
 
-    def record(self, raw: bytes, *, link: int) -> None:
-        """Append one frame, sent or received."""
+    def record(self, *frames: bytes, link: int) -> None:
+        """Append frames of one moment, sent or received."""
         if self._failed:
             return
         time_us = (self._unix_epoch_us + self.clock()) & ~LINK_BITS | link & LINK_BITS
-        self._buffer += TIME.pack(time_us) + raw
+        self._buffer += TIME.pack(time_us).join((b"", *frames))
         if len(self._buffer) >= BUFFER_BYTES:
             self.flush()
 

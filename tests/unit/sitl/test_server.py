@@ -12,7 +12,7 @@ from sitl.clock import SECOND_US, TICK_US, Schedule
 from sitl.mavlink.camera_component import CameraFacts
 from sitl.mavlink.dialect import mavlink
 from sitl.mavlink.endpoint import Endpoint
-from sitl.mavlink.framing import frame, pack, split
+from sitl.mavlink.framing import Received, frame, pack, split
 from sitl.mavlink.udp_link import LinkConfig, UdpLink
 from sitl.records import Frame
 from sitl.server import Server
@@ -130,12 +130,15 @@ class Bench:
         self.simulation.ticked = check
 
     def received(self) -> list[Any]:
-        messages = []
+        return [item.message for item in self.arrived()]
+
+    def arrived(self) -> list[Received]:
+        items: list[Received] = []
         while True:
             try:
-                messages += [item.message for item in split(self.udp.recv(2048))]
+                items += split(self.udp.recv(2048))
             except BlockingIOError:
-                return messages
+                return items
 
 
 @pytest.fixture
@@ -210,7 +213,8 @@ def test_lockstep_stands_at_0_and_repeats_heartbeats(make_bench: Callable[..., B
     bench.server._selector.select = lambda _=None: real_wait(0.0)  # type: ignore[method-assign]
     bench.server.run()
     assert bench.simulation.time_us == 0
-    beats = [m.get_srcComponent() for m in bench.received() if m.get_type() == "HEARTBEAT"]
+    heartbeat = mavlink.MAVLINK_MSG_ID_HEARTBEAT
+    beats = [item.component for item in bench.arrived() if item.message_id == heartbeat]
     assert beats == [1, 100, 25] * (len(beats) // 3)
     assert 4 <= len(beats) // 3 <= 6
 
@@ -247,6 +251,17 @@ def test_lockstep_reads_nothing_between_an_answer_and_the_next_frame(
     # A command before the answer is handled at its frame, one after it only at the next.
     assert handled[:5] == [(0, 1000), (52_000, 2000), (52_000, 1001), (100_000, 2001),
                            (100_000, 1002)]  # fmt: skip
+
+
+def test_lockstep_can_be_stopped_where_no_frame_comes(make_bench: Callable[..., Bench]) -> None:
+    bench = make_bench(lockstep=True)
+    companion = Companion(bench.stream, bench.link, bench.udp)
+    companion.answer(0)
+    bench.simulation.frame_due = lambda: False  # type: ignore[method-assign]
+    bench.stop_at(2_000_000)
+    bench.server.run()
+    assert bench.simulation.time_us == 2_000_000
+    companion.tcp.close()
 
 
 def test_lockstep_runs_free_when_the_viewer_leaves(make_bench: Callable[..., Bench]) -> None:

@@ -1,10 +1,12 @@
 import socket
+from collections.abc import Callable
 
 import pytest
 
 from sitl.errors import LinkError
 from sitl.mavlink.dialect import CAMERA, mavlink
 from sitl.mavlink.framing import frame, pack, split
+from sitl.mavlink.link import MAX_DATAGRAM_BYTES
 from sitl.mavlink.udp_link import LinkConfig, UdpLink
 
 HEARTBEAT = mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
@@ -64,13 +66,46 @@ def test_sends_unprompted_until_the_first_valid_frame_names_the_partner() -> Non
         link.close()
 
 
+def test_what_is_gathered_leaves_in_order_in_few_datagrams() -> None:
+    with Peer() as peer:
+        link = make_link(peer.port)
+        link.gather()
+        for _ in range(100):
+            link.send(HEARTBEAT)
+        link.send_together([pack(HEARTBEAT)] * 20)
+        link.flush()
+        link.flush()
+        datagrams = [peer.receive(), peer.receive()]
+        assert peer.has_nothing()
+        assert all(len(datagram) <= MAX_DATAGRAM_BYTES for datagram in datagrams)
+        numbers = [item.raw[4] for datagram in datagrams for item in split(datagram)]
+        assert numbers == list(range(120))
+        link.close()
+
+
+def test_a_bad_radio_carries_each_message_by_itself_after_what_was_gathered() -> None:
+    class Radio:
+        def carry(self, data: bytes, transmit: Callable[[bytes], None]) -> None:
+            transmit(data)
+
+    with Peer() as peer:
+        link = make_link(peer.port)
+        link.gather()
+        link.send(HEARTBEAT)
+        link.radio = Radio()
+        link.send(HEARTBEAT)
+        link.send(HEARTBEAT)
+        assert [split(peer.receive())[0].raw[4] for _ in range(3)] == [0, 1, 2]
+        link.close()
+
+
 def test_each_component_counts_its_own_sequence() -> None:
     with Peer() as peer:
         link = make_link(peer.port)
         for component in (1, CAMERA, 1, 1):
             link.send(HEARTBEAT, component)
         received = [split(peer.receive())[0] for _ in range(4)]
-        counted = [(item.component, item.message.get_seq()) for item in received]
+        counted = [(item.component, item.raw[4]) for item in received]
         assert counted == [(1, 0), (CAMERA, 0), (1, 1), (1, 2)]
         link.close()
 
@@ -81,7 +116,7 @@ def test_sequence_wraps_without_a_gap() -> None:
         numbers = []
         for _ in range(258):
             link.send(HEARTBEAT)
-            numbers.append(split(peer.receive())[0].message.get_seq())
+            numbers.append(split(peer.receive())[0].raw[4])
         assert numbers[254:] == [254, 255, 0, 1]
         link.close()
 
