@@ -14,6 +14,7 @@ from pymavlink.generator import mavcrc
 from sitl.mavlink.dialect import Message, mavlink
 
 MAGIC_V1, MAGIC_V2 = 0xFE, 0xFD
+HEADER_V1, HEADER_V2 = 6, 10  # bytes
 HEADER = struct.Struct("<BBBBBBBHB")  # the 24-bit message id as 16 + 8
 CHECKSUM = struct.Struct("<H")
 SIGNED = 0x01  # the one incompatibility flag that is defined
@@ -102,7 +103,7 @@ def _split(data: bytes, *, is_stream: bool) -> tuple[list[Received], bytes]:
             position += 1
             continue
         position += len(raw)
-        if not isinstance(item.message, mavlink.MAVLink_unknown):
+        if item.message is not None:  # None: of a type that nobody knows
             received.append(item)
     return received, b""
 
@@ -131,12 +132,19 @@ def _frame_bytes(data: bytes, start: int) -> int:
 
 
 def _decode(raw: bytes) -> Received | None:
-    try:
-        message = _codec.decode(bytearray(raw))
-    except mavlink.MAVError:
+    """Read a frame that is as long as it says; None if its checksum is wrong."""
+    if raw[0] == MAGIC_V1:
+        begin, system, component, message_id = HEADER_V1, raw[3], raw[4], raw[5]
+    else:
+        begin, system, component = HEADER_V2, raw[5], raw[6]
+        message_id = raw[7] | raw[8] << 8 | raw[9] << 16
+    message_type = mavlink.mavlink_map.get(message_id)
+    if message_type is None:
+        return Received(message_id, None, raw, system, component)
+    end = begin + raw[1]
+    if _checksum(raw[1:end] + bytes((message_type.crc_extra,))) != raw[end] | raw[end + 1] << 8:
         return None
-    system, component = (raw[3], raw[4]) if raw[0] == MAGIC_V1 else (raw[5], raw[6])
-    return Received(message.get_msgId(), message, raw, system, component)
+    return Received(message_id, _deserialiser(message_type)(raw[begin:end]), raw, system, component)
 
 
 def _checksum_slowly(data: bytes) -> int:
@@ -168,6 +176,25 @@ def _serialiser(message_type: Any) -> Callable[[Message], bytes]:
         return bytes(pack_values(*values))
 
     return pack_arrays
+
+
+@cache
+def _deserialiser(message_type: Any) -> Callable[[bytes], Message]:
+    """Make what reads a type's payload, which MAVLink 2 cuts short and newer senders lengthen."""
+    unpack, size = message_type.unpacker.unpack, message_type.unpacker.size
+    lengths = message_type.lengths
+    places = [(sum(lengths[:order]), lengths[order]) for order in message_type.orders]
+
+    def deserialise(payload: bytes) -> Message:
+        values = unpack(payload[:size].ljust(size, b"\0"))
+        fields = [
+            values[at] if length == 1 else list(values[at : at + length]) for at, length in places
+        ]
+        if "char" in message_type.fieldtypes:
+            fields = [f.rstrip(b"\0") if isinstance(f, bytes) else f for f in fields]
+        return message_type(*fields)
+
+    return deserialise
 
 
 def _pack_slowly(message: Message) -> bytes:
