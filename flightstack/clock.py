@@ -18,6 +18,8 @@ class VehicleClock:
         self._wall_s = wall_s
         self._first_us: int | None = None
         self._anchor: tuple[int, float] | None = None  # the newest stamp, and when it was seen
+        self.stamp_us = 0  # the newest stamp
+        self.elapsed_us = 0  # since the first stamp seen; never negative, even after a reboot
 
     def observe(self, stamp_us: int) -> None:
         """Take a stamp; one that is slightly older than the newest changes nothing."""
@@ -26,23 +28,13 @@ class VehicleClock:
         if self._first_us is None:
             self._first_us = stamp_us
         self._anchor = (stamp_us, self._wall_s())
-
-    @property
-    def stamp_us(self) -> int:
-        """The newest stamp; 0 before the first."""
-        return 0 if self._anchor is None else self._anchor[0]
+        self.stamp_us = stamp_us
+        self.elapsed_us = max(0, stamp_us - self._first_us)
 
     @property
     def started(self) -> bool:
         """Whether any stamp has been seen."""
         return self._anchor is not None
-
-    @property
-    def elapsed_us(self) -> int:
-        """Vehicle time since the first stamp seen; never negative, even after a reboot."""
-        if self._first_us is None:
-            return 0
-        return max(0, self.stamp_us - self._first_us)
 
     def now_us(self) -> int:
         """Return the newest stamp plus the wall time since it was seen."""

@@ -65,6 +65,13 @@ def source_of(frame: bytes) -> tuple[int, int]:
     return (frame[5], frame[6]) if frame[0] == MAGIC_V2 else (frame[3], frame[4])
 
 
+def identify(frame: bytes) -> tuple[int, int, int]:
+    """Read message id, system and component of a whole frame, in one go."""
+    if frame[0] == MAGIC_V2:
+        return frame[7] | frame[8] << 8 | frame[9] << 16, frame[5], frame[6]
+    return frame[5], frame[3], frame[4]
+
+
 def is_signed(frame: bytes) -> bool:
     """Whether a whole frame ends in a signature, whoever made it."""
     return frame[0] == MAGIC_V2 and bool(frame[2] & SIGNED_FLAG)

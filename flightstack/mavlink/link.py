@@ -21,9 +21,8 @@ from flightstack.mavlink.framing import (
     HEADER_V1,
     HEADER_V2,
     MAGIC_V2,
+    identify,
     is_signed,
-    message_id,
-    source_of,
 )
 from flightstack.mavlink.px4 import (
     AUTOPILOT_COMPONENT,
@@ -175,8 +174,7 @@ class Link:
         return verdict is Verdict.GENUINE
 
     def _take(self, frame: bytes, address: Address | None, messages: list[Message]) -> None:
-        number = message_id(frame)
-        system, component = source_of(frame)
+        number, system, component = identify(frame)
         if self.vehicle is None:
             self._meet(frame, number, (system, component), address)
         if system != self._vehicle_system:
