@@ -1,12 +1,13 @@
 """Measure how fast lockstep flies, and where the time goes.
 
     python scripts/bench/lockstep.py [--laps 4] [--track-seed 0] [--noise 0,0] [--model NAME]
-                                     [--against COMMIT]
+                                     [--against COMMIT [--rounds 3]]
 
 Flies vehicle and companion as two processes over their sockets, as fast as they can: once as they
 are, for the real-time factor from the first frame to the disarming; and once with their parts
 timed, for the CPU time of every part in the stretch in which the network flew. With a commit it
-flies that commit's code in turns with this one and prints both side by side.
+flies that commit's code in turns with this one, either first as often as the other, and prints the
+least cost of each side by side, with their ratio. Wall times say something on an idle machine only.
 """
 
 import argparse
@@ -28,6 +29,7 @@ sys.path.insert(0, str(ROOT))
 from scripts.bench.flying import (  # noqa: E402
     LIMIT_S,
     ROLES,
+    Report,
     Stretch,
     add_flight_options,
     fly_together,
@@ -35,7 +37,7 @@ from scripts.bench.flying import (  # noqa: E402
 
 TICK_PARTS = ("autopilot", "physics", "referee, estimate")  # of the vehicle
 TICKS_A_FRAME = 12.5
-ROUNDS = 3  # of each code: the one that cost least is shown
+FEWEST_DECISIONS = 20  # a second of flight
 
 
 def fly_untimed(options: argparse.Namespace) -> float:
@@ -58,11 +60,16 @@ def fly_untimed(options: argparse.Namespace) -> float:
 
 def fly_timed(options: argparse.Namespace, root: Path = ROOT) -> tuple[dict[str, Stretch], int]:
     """Fly once with all parts timed; both processes while the network flew, and its frames."""
-    report = fly_together(options, 1, root=root)[0]
-    if len(report.decided) < 20:
-        sys.exit("lockstep.py: the network flew for less than a second: no figures")
+    report = _fly(options, root)
     frames, _ = report.frames(*report.flown)
     return {role: report.stretch(role, *report.flown) for role in ROLES}, frames
+
+
+def _fly(options: argparse.Namespace, root: Path, *, parts: bool = True) -> Report:
+    report = fly_together(options, 1, parts=parts, root=root)[0]
+    if len(report.decided) < FEWEST_DECISIONS:
+        sys.exit("lockstep.py: the network flew for less than a second: no figures")
+    return report
 
 
 def print_parts(console: Console, title: str, stretch: Stretch, frames: int) -> None:
@@ -96,7 +103,7 @@ def tick_figures(options: argparse.Namespace, root: Path) -> dict[str, float]:
 
 def frame_figures(options: argparse.Namespace, root: Path) -> dict[str, float]:
     """Fly with nothing but the processes timed; CPU ms a frame by process, and the speed."""
-    report = fly_together(options, 1, parts=False, root=root)[0]
+    report = _fly(options, root, parts=False)
     start_s, end_s = report.flown
     frames, vehicle_s = report.frames(start_s, end_s)
     costs = {
@@ -109,19 +116,22 @@ def frame_figures(options: argparse.Namespace, root: Path) -> dict[str, float]:
 
 
 def compare(console: Console, options: argparse.Namespace, commit: str) -> None:
-    """Fly this code and a commit's in turns; print what each cost at its cheapest."""
+    """Fly this code and a commit's in turns; print what each cost at its least, and the ratio."""
     flown: dict[str, list[dict[str, float]]] = {commit: [], "here": []}
     with checked_out(commit) as other:
-        for _ in range(ROUNDS):
-            for name, root in ((commit, other), ("here", ROOT)):
+        turns = [(commit, other), ("here", ROOT)]
+        for _ in range(options.rounds):
+            for name, root in turns:
                 flown[name].append(tick_figures(options, root) | frame_figures(options, root))
-    table = Table(title=f"The least of {ROUNDS} flights each, CPU time", title_justify="left")
+            turns.reverse()
+    title = f"The least of {options.rounds} flights each, CPU time unless it says wall"
+    table = Table(title=title, title_justify="left")
     table.add_column("")
-    for name in flown:
+    for name in (*flown, "ratio"):
         table.add_column(name, justify="right")
     for figure in flown[commit][0]:
-        least = (min(figures[figure] for figures in flights) for flights in flown.values())
-        table.add_row(figure, *(f"{cost:.2f}" for cost in least))
+        there, here = (min(f[figure] for f in flights) for flights in flown.values())
+        table.add_row(figure, f"{there:.2f}", f"{here:.2f}", f"{here / there:.2f}")
     console.print(table)
 
 
@@ -143,6 +153,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="lockstep.py", description=(__doc__ or "").split("\n")[0])
     add_flight_options(parser)
     parser.add_argument("--against", metavar="COMMIT", help="print another commit's cost beside")
+    parser.add_argument("--rounds", type=int, default=3, help="flights of each code")
     options = parser.parse_args()
     console = Console(width=78)
     console.print(f"load of this machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
