@@ -9,7 +9,6 @@ from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.trajectory import TICK_S
 from sitl.frames import wrap_pi
 
-YAW_ERROR_RAD = math.radians(12.0)  # PX4 MIS_YAW_ERR: nearer than this it faces as asked
 STEP_RAD = math.radians(5.0)  # assumption: a stream that moves less from one to the next is smooth
 BRAKING_SHARE = 0.7  # of the greatest acceleration, planned for coming to rest
 ARRIVAL_GAIN = 2.0  # 1/s, rate per heading left in the last degrees
@@ -57,3 +56,25 @@ class Heading:
             self.yaw_rad = wanted_rad
         else:
             self.turn(wanted_rad)
+
+
+class Facing:
+    """Judges whether a vehicle that has arrived faces as it was asked to, as PX4's navigator does.
+
+    Without MIS_YAW_TMT it waits for the heading, however long that takes. With it, only headings
+    that are forced are waited for: those of a LOITER_TIME whose second parameter is above 0.
+    """
+
+    def __init__(self, parameters: Parameters) -> None:
+        self.load(parameters)
+
+    def load(self, parameters: Parameters) -> None:
+        """Take limits from the parameters."""
+        self._error_rad = math.radians(parameters["MIS_YAW_ERR"])
+        self._waits = parameters["MIS_YAW_TMT"] <= 0.0
+
+    def accepts(self, wanted_rad: float, yaw_rad: float, *, forced: bool = False) -> bool:
+        """Say whether a heading will do; NaN is wanted where any does."""
+        if math.isnan(wanted_rad) or not (self._waits or forced):
+            return True
+        return abs(wrap_pi(wanted_rad - yaw_rad)) < self._error_rad

@@ -14,7 +14,7 @@ from math import isnan
 from typing import NamedTuple
 
 from sitl.autopilot import mission_plan
-from sitl.autopilot.heading import YAW_ERROR_RAD
+from sitl.autopilot.heading import Facing
 from sitl.autopilot.parameters import Parameters
 from sitl.clock import SECOND_US
 from sitl.frames import ned_from_geodetic, wrap_pi, yaw_of
@@ -68,6 +68,7 @@ class MissionFlight:
         self._arrived_us = 0
         self._is_changed = False  # the item was set from outside
         self._wants_return = False  # RTL is due, and not yet begun
+        self._facing = Facing(parameters)
         self.load(parameters)
 
     def load(self, parameters: Parameters) -> None:
@@ -75,6 +76,7 @@ class MissionFlight:
         self._radius = parameters["NAV_ACC_RAD"]
         self._altitude_radius = parameters["NAV_MC_ALT_RAD"]
         self._takeoff_altitude = parameters["MIS_TAKEOFF_ALT"]
+        self._facing.load(parameters)
 
     def take(self, plan: Plan, current: int) -> None:
         """Take a new plan; one that is being flown begins at once."""
@@ -217,9 +219,8 @@ class MissionFlight:
             return False
         if abs(self._target[2] - z) > self._altitude_radius:
             return False
-        if isnan(self._yaw_rad):
-            return True
-        return abs(wrap_pi(self._yaw_rad - yaw_of(estimate.q_ned_frd))) <= YAW_ERROR_RAD
+        forced = item.command == mission_plan.LOITER_TIME and item.params[1] > 0.0
+        return self._facing.accepts(self._yaw_rad, yaw_of(estimate.q_ned_frd), forced=forced)
 
     def _has_stayed(self, estimate: Estimate) -> bool:
         if self._phase is not Phase.STAY:

@@ -9,10 +9,9 @@ home turns so once it has climbed, and descends only then.
 import math
 from enum import Enum
 
-from sitl.autopilot.heading import YAW_ERROR_RAD
+from sitl.autopilot.heading import Facing
 from sitl.autopilot.parameters import Parameters
 from sitl.clock import SECOND_US
-from sitl.frames import wrap_pi
 from sitl.records import Vector3
 
 NAN = math.nan
@@ -38,6 +37,7 @@ class ReturnHome:
         self._home_yaw_rad = NAN
         self._begins_near = False
         self._waiting_since_us = 0
+        self._facing = Facing(parameters)
         self.load(parameters)
 
     def load(self, parameters: Parameters) -> None:
@@ -48,6 +48,7 @@ class ReturnHome:
         self._cone_rad = math.radians(p["RTL_CONE_ANG"])
         self._radius, self._altitude_radius = p["NAV_ACC_RAD"], p["NAV_MC_ALT_RAD"]
         self._delay_s = p["RTL_LAND_DELAY"]
+        self._facing.load(p)
 
     def start(self, position_ned: Vector3, home_ned: Vector3, home_yaw_rad: float = NAN) -> None:
         """Begin at a place; the heading to end in may be NaN: any."""
@@ -85,9 +86,8 @@ class ReturnHome:
         return self._phase, (home_x, home_y, home_z - low)
 
     def _faces(self, yaw_rad: float) -> bool:
-        """Whether the heading is the one to turn to, if there is one."""
-        wanted = self.yaw_rad
-        return math.isnan(wanted) or abs(wrap_pi(wanted - yaw_rad)) <= YAW_ERROR_RAD
+        """Whether the heading is the one to turn to, if there is one to wait for."""
+        return self._facing.accepts(self.yaw_rad, yaw_rad)
 
     def _waited(self, time_us: int) -> bool:
         return 0.0 <= self._delay_s <= (time_us - self._waiting_since_us) / SECOND_US

@@ -160,6 +160,19 @@ def test_return_near_home_turns_before_it_descends(flight):
     assert yaw(flight) == pytest.approx(0.0, abs=0.05)
 
 
+def test_return_with_a_heading_timeout_descends_while_it_turns(flight):
+    """PX4: with MIS_YAW_TMT, only forced headings are waited for, and a return forces none."""
+    flight.parameters.set("MIS_YAW_TMT", 5.0)
+    flight.take_off(6.0)
+    flight.command(REPOSITION, -1.0, 1.0, NAN, -math.pi / 2, NAN, NAN, NAN)
+    flight.run(8.0)
+    flight.command(RTL)
+    flight.run_until(lambda: flight.height_m < 5.5, timeout_s=3.0)
+    assert yaw(flight) < math.radians(-20.0)
+    flight.run_until(lambda: flight.height_m < 2.0, timeout_s=10.0)
+    assert yaw(flight) == pytest.approx(0.0, abs=0.05)
+
+
 def test_return_from_afar_turns_while_it_descends(flight):
     flight.take_off(6.0)
     flight.command(REPOSITION, -1.0, 1.0, NAN, math.pi / 2, NORTH_DEG, LONGITUDE_DEG, 495.4)

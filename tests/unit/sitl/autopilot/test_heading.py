@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from sitl.autopilot.heading import Heading
+from sitl.autopilot.heading import Facing, Heading
 from sitl.autopilot.parameters import Parameters
 from sitl.frames import wrap_pi
 
@@ -59,3 +59,24 @@ def test_a_smooth_stream_is_taken_as_it_is_and_a_jump_is_not(heading):
         heading.follow(2.0)
     heading.follow(2.05)
     assert heading.yaw_rad == 2.05
+
+
+@pytest.mark.parametrize(
+    ("timeout_s", "forced", "off_deg", "accepted"),
+    [
+        (-1.0, False, 11.9, True),  # as it comes: MIS_YAW_ERR 12
+        (-1.0, False, -12.1, False),
+        (-1.0, True, 12.1, False),
+        (0.0, False, 12.1, False),
+        (0.1, False, 180.0, True),
+        (20.0, True, 12.1, False),
+        (20.0, True, -11.9, True),
+    ],
+)
+def test_a_heading_is_waited_for_unless_there_is_a_timeout(timeout_s, forced, off_deg, accepted):
+    parameters = Parameters({})
+    parameters.set("MIS_YAW_TMT", timeout_s)
+    facing, wanted = Facing(parameters), math.radians(175.0)
+    yaw = wrap_pi(wanted + math.radians(off_deg))
+    assert facing.accepts(wanted, yaw, forced=forced) is accepted
+    assert facing.accepts(math.nan, yaw, forced=forced)

@@ -256,3 +256,28 @@ def test_it_turns_to_the_heading_of_an_item(run: MissionRun) -> None:
     assert 3.0 < run.run_until_reached(0, timeout_s=8.0) < 6.0  # 90 deg at 20 deg/s2
     run.flight.run(2.0)
     assert yaw_of(run.flight.estimate.q_ned_frd) == pytest.approx(math.pi / 2, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "command", "required", "least_s", "most_s"),
+    [
+        ("MIS_YAW_ERR", 80.0, WAYPOINT, 1.0, 1.0, 2.5),
+        ("MIS_YAW_TMT", 5.0, WAYPOINT, 1.0, 0.0, 0.5),
+        ("MIS_YAW_TMT", 5.0, LOITER_TIME, 0.0, 0.0, 0.5),
+        ("MIS_YAW_TMT", 5.0, LOITER_TIME, 1.0, 3.0, 6.0),  # this heading is forced
+    ],
+)
+def test_how_long_it_waits_for_a_heading(
+    run: MissionRun,
+    name: str,
+    value: float,
+    command: int,
+    required: float,
+    least_s: float,
+    most_s: float,
+) -> None:
+    run.flight.parameters.set(name, value)
+    run.in_air()
+    run.upload(place(command, 0.0, 0.0, 6.0, 0.0, required, NAN, 90.0))
+    run.go()
+    assert least_s <= run.run_until_reached(0, timeout_s=8.0) < most_s
