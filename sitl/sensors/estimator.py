@@ -13,7 +13,7 @@ from sitl.records import Estimate, Readings, Vector3, VehicleState
 from sitl.sensors.drift import Drift, accuracy_m
 from sitl.sensors.gyro_filter import GyroFilter
 from sitl.sensors.noise import normals
-from sitl.sensors.shaken import ShakenDrift
+from sitl.sensors.shaken import ZERO, ShakenDrift
 
 ATTITUDE_VALID_US = 200_000  # assumption: tilt alignment of a still vehicle
 ALTITUDE_VALID_US = 600_000  # assumption: barometer
@@ -64,7 +64,7 @@ class Estimator:
         self._drift = self._shaken or Drift(normals(rng))
         self._gyro_filter = GyroFilter()
         self._validity = _Validity(aligned=False, settled_s=settled_s)
-        self._located = True
+        self._located = self._is_inertial = True
         self._previous: tuple[VehicleState, Readings] | None = None
 
     def align(self) -> None:
@@ -83,7 +83,7 @@ class Estimator:
         seen, sensed = self._previous or (state, readings)
         self._previous = (state, readings)
         if self._shaken is not None:
-            self._shaken.feel(*self._misread(seen, sensed))
+            self._shake(self._shaken, seen, sensed)
         drift.advance(
             xy_aided=sensors.gps,
             z_aided=sensors.gps or sensors.barometer,
@@ -102,6 +102,14 @@ class Estimator:
             drift.aided_m if sensors.gps else self._validity.accuracy_m(state.time_us),
             self._validity.is_settled(state.time_us),
         )
+
+    def _shake(self, drift: ShakenDrift, seen: VehicleState, sensed: Readings) -> None:
+        """Let what the inertial unit misreads in, as long as it is believed."""
+        is_inertial = sensed.health.gyro and sensed.health.accelerometer
+        if is_inertial and not self._is_inertial:
+            drift.restart()
+        self._is_inertial = is_inertial
+        drift.feel(*(self._misread(seen, sensed) if is_inertial else (ZERO, ZERO)))
 
     def _misread(self, seen: VehicleState, sensed: Readings) -> tuple[Vector3, Vector3]:
         """Give the noise of specific force and body rates, turned into NED."""

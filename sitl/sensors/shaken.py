@@ -51,9 +51,7 @@ class ShakenDrift(Drift):
         self._share = share
         self._specific_force_ned = self._rates_ned = ZERO
         super().__init__(noise)
-        self._tilt = (self._draw(TILT_STD_RAD), self._draw(TILT_STD_RAD))
-        self.restart_xy()
-        self._vz, self._z = self._draw(VELOCITY_STD_M_S[1]), self._draw(POSITION_STD_M[1])
+        self.restart()
         horizontal, vertical = POSITION_STD_M
         self.aided_m = (share * math.sqrt(2.0) * horizontal, share * vertical)
 
@@ -64,6 +62,12 @@ class ShakenDrift(Drift):
         self._specific_force_ned = (share * x, share * y, share * z)
         x, y, z = rates_ned
         self._rates_ned = (share * x, share * y, share * z)
+
+    def restart(self) -> None:
+        """Forget every error but the heading's: the filter starts anew, its inertial unit back."""
+        self._tilt = (self._draw(TILT_STD_RAD), self._draw(TILT_STD_RAD))
+        self.restart_xy()
+        self._vz, self._z = self._draw(VELOCITY_STD_M_S[1]), self._draw(POSITION_STD_M[1])
 
     def restart_xy(self) -> None:
         """Forget a position that has run away: the filter starts anew from the receiver."""

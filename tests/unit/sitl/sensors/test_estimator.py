@@ -5,7 +5,7 @@ import pytest
 
 from sitl.frames import quaternion_from_euler, rotate_inverse
 from sitl.records import Readings, SensorHealth, VehicleState
-from sitl.sensors import drift
+from sitl.sensors import drift, shaken
 from sitl.sensors.drift import Drift, position_std
 from sitl.sensors.estimator import Estimator, PerfectEstimator
 from sitl.sensors.noise import normals
@@ -186,3 +186,26 @@ def test_nothing_is_valid_without_the_inertial_unit(sensor):
     assert not estimate.attitude_valid
     assert not estimate.position_valid
     assert estimate.sensors == ALL_WELL._replace(**{sensor: False})
+
+
+@pytest.mark.parametrize(("sensor", "reading"), [("gyro", 0), ("accelerometer", 1)])
+def test_a_shaken_estimate_is_as_good_as_before_once_its_inertial_unit_is_back(sensor, reading):
+    estimator = Estimator(np.random.default_rng(0), ZERO, ZERO, rotor_noise_share=1.0)
+    estimator.align()
+    well = readings()
+    wrong = well._replace(**{("rates_frd", "specific_force_frd")[reading]: (0.3, -3.0, 30.0)})
+    ill = wrong._replace(health=ALL_WELL._replace(**{sensor: False}))
+    for tick in range(250):  # not yet found out
+        astray = estimator.update(state(4000 * tick), wrong)
+    assert math.dist(astray.velocity_ned, state(0).velocity_ned) > 2.0
+    for tick in range(250, 1000):
+        lost = estimator.update(state(4000 * tick), ill)
+    assert lost.velocity_ned[2] == pytest.approx(astray.velocity_ned[2], rel=0.6)  # no worse
+    estimator.update(state(4_000_000), well)
+    back = estimator.update(state(4_004_000), well)
+    errors = np.subtract(back.velocity_ned, state(0).velocity_ned)
+    assert abs(errors[2]) < 5.0 * shaken.VELOCITY_STD_M_S[1]
+    assert np.abs(errors[:2]).max() < 5.0 * shaken.VELOCITY_STD_M_S[0]
+    assert abs(back.position_ned[2] + 3.0) < 5.0 * shaken.POSITION_STD_M[1]
+    _, x, y, _ = back.q_ned_frd
+    assert 2.0 * math.hypot(x, y) < 5.0 * math.sqrt(2.0) * shaken.TILT_STD_RAD
