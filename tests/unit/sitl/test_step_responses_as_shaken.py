@@ -7,8 +7,7 @@ each of its rows, our median over steps and seeds has to lie within the row's fi
 Not reached, and so not compared: the tilt of a vertical step (ours has a median of 1.4 deg; 3 were
 seen going up, 2.5 going down), and of its two steps down the times to 10 % (0.08 s; 0.10), 63 %
 (0.25 s; 0.30) and 90 % (0.42 s; 0.54), the overshoot (15 %; 4) and the steady value (1.05; 0.90).
-With ours, as with any linear loop, down is up mirrored; the page's two runs up and two down are too
-few to tell whether PX4's is not.
+How likely such rows are, `test_step_responses_as_observed` says, with PX4's own airframe.
 """
 
 import statistics
