@@ -199,7 +199,7 @@ class Server:
             return False
         frame = self._simulation.render()
         self._endpoint.publish_trigger(frame)
-        self._let_go()  # whoever awaits the image may read it while that is being coded
+        self._let_go()
         self._heartbeat_s = self._clock()
         if self._lockstep is not None:
             self._lockstep.frame_published(frame.time_us, self._heartbeat_s)

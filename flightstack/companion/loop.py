@@ -119,16 +119,9 @@ class FlightLoop:
         self._reporter.report(self.state, self._vehicle)
 
     def _sleep(self) -> None:
-        """Wait for the next frame while frames flow: no wake-up for each datagram.
-
-        The first wakes, and is taken in: in lockstep it is all that precedes the frame, which is
-        still being coded then.
-        """
-        if self._frames_flow and wait_for_any(FRAME_SOON_S, self._vehicle.link, self._camera):
-            self._vehicle.receive()
-            if wait_for_any(FRAME_SOON_S, self._camera):
-                return
-        wait_for_any(IDLE_S, self._vehicle.link, self._camera)
+        """Wait for the next frame alone while frames flow: no wake-up for each datagram."""
+        if not (self._frames_flow and wait_for_any(FRAME_SOON_S, self._camera)):
+            wait_for_any(IDLE_S, self._vehicle.link, self._camera)
 
     def _answer(self, arrival: Arrival) -> None:
         frame = arrival.frame
