@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from sitl.camera_stream import CameraStream
-from sitl.clock import TICK_US
+from sitl.clock import SECOND_US, TICK_US
 from sitl.lockstep import Lockstep
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.link import Link
@@ -27,6 +27,7 @@ STANDING_HEARTBEAT_S = 1.0  # wall time between heartbeats while vehicle time st
 LIST_WAIT_S = TICK_US / 1e6  # pace of parameter lists while vehicle time stands
 MAX_DATAGRAMS = 64  # of one link at a time: a flood must not stop the clock
 FLUSH_S = 1.0
+BLIND_US = SECOND_US  # vehicle time without a frame, after which lockstep listens between ticks
 TICKS_AT_ONCE = 25  # without looking up, as fast as possible: a frame comes every 12 or 13
 
 _log = logging.getLogger(__name__)
@@ -73,6 +74,7 @@ class Server:
         self._free_pace = Pace(speed_factor or 1.0, clock)
         self._lockstep = Lockstep() if lockstep else None
         self._was_free = True
+        self._frame_us = 0  # vehicle time of the last frame given out
         self._heartbeat_s = self._flush_s = clock()
         self._tlog: TlogWriter | None = None
         self._video: VideoSender | None = None
@@ -136,7 +138,7 @@ class Server:
         if lockstep.is_free != self._was_free:
             self._was_free = lockstep.is_free
             pace.restart(self._simulation.time_us)
-        if lockstep.is_free:
+        if lockstep.is_free or self._simulation.time_us - self._frame_us > BLIND_US:
             self._run_paced(pace)
             return
         wait_s = pace.wait_s(self._simulation.time_us + TICK_US)
@@ -200,6 +202,7 @@ class Server:
         frame = self._simulation.render()
         self._endpoint.publish_trigger(frame)
         self._let_go()
+        self._frame_us = self._simulation.time_us
         self._heartbeat_s = self._clock()
         if self._lockstep is not None:
             self._lockstep.frame_published(frame.time_us, self._heartbeat_s)

@@ -264,6 +264,31 @@ def test_lockstep_can_be_stopped_where_no_frame_comes(make_bench: Callable[..., 
     companion.tcp.close()
 
 
+@pytest.mark.parametrize("speed_factor", [0.0, 1000.0])
+def test_lockstep_listens_where_frames_stay_out(
+    make_bench: Callable[..., Bench], speed_factor: float
+) -> None:
+    """A camera that fails must not make the vehicle deaf: it could never be told to land."""
+    bench = make_bench(lockstep=True, speed_factor=speed_factor)
+    companion = Companion(bench.stream, bench.link, bench.udp)
+    handled: list[int] = []
+    command = bench.simulation.autopilot.command
+
+    def note(asked: Any) -> Any:
+        handled.append(bench.simulation.time_us)
+        return command(asked)
+
+    bench.simulation.autopilot.command = note  # type: ignore[method-assign]
+    companion.answer(0)
+    companion.send(mavlink.MAVLink_command_long_message(1, 1, 1000, 0, *[0.0] * 7))
+    bench.simulation.frame_due = lambda: bench.simulation.time_us == 0  # type: ignore[method-assign]
+    bench.stop_at(2 * SECOND_US)
+    bench.server.run()
+    companion.tcp.close()
+    assert len(handled) == 1
+    assert SECOND_US < handled[0] < 1.2 * SECOND_US
+
+
 def test_lockstep_runs_free_when_the_viewer_leaves(make_bench: Callable[..., Bench]) -> None:
     bench = make_bench(lockstep=True, speed_factor=1000.0)
     companion = Companion(bench.stream, bench.link, bench.udp)
