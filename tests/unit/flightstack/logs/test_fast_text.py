@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 from flightstack.logs import fast_text
 
 
-def texts(matrix: fast_text.Bytes) -> list[str]:
-    return [bytes(row[row != 0]).decode() for row in matrix]
+def texts(lines: fast_text.Lines) -> list[str]:
+    return [line.decode() for line in fast_text.lines_of(lines)]
 
 
 def written(column: NDArray[np.generic]) -> list[str]:
@@ -69,3 +69,33 @@ def test_nothing_makes_no_lines() -> None:
     empty = fast_text.beside(["x ", np.empty(0, dtype=np.float32)], 0)
     assert fast_text.text_of(empty) == b""
     assert fast_text.lines_of(empty) == []
+
+
+def test_lines_of_constants_only_are_lines() -> None:
+    stamps = fast_text.from_texts(["ab", "cd"])
+    assert texts(fast_text.beside([stamps, ": NOTHING {}\n"], 2)) == [
+        "ab: NOTHING {}\n",
+        "cd: NOTHING {}\n",
+    ]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_any_parts_side_by_side_look_as_they_do_alone(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(1, 40))
+    bits = rng.integers(0, 2**32, size=(8, count), dtype=np.uint64)
+    words = [["", "x", "a longer word than a number has", "\0", "\u03c0"][n] for n in bits[0] % 5]
+    alike = [f"{n:02d}" for n in (bits[1] % 100).tolist()]
+    columns: list[tuple[fast_text.Part, list[str]]] = [
+        (fast_text.from_texts(words), [word.replace("\0", "") for word in words]),
+        (fast_text.from_texts(alike), alike),
+        (" : ", [" : "] * count),
+        ("", [""] * count),
+    ]
+    wide = bits[3] << np.uint64(32) | bits[4]
+    numbers = [bits[2].astype(kind) for kind in ("u1", "<i2", "<u4")]
+    numbers += [wide, wide.view(np.float64), bits[5].astype(np.uint32).view(np.float32)]
+    columns += [(column, list(map(str, column.tolist()))) for column in numbers]
+    chosen = [columns[index] for index in rng.integers(0, len(columns), size=8).tolist()]
+    lines = texts(fast_text.beside([part for part, _ in chosen], count))
+    assert lines == ["".join(row) for row in zip(*(each for _, each in chosen), strict=True)]
