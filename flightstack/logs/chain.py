@@ -21,11 +21,13 @@ from flightstack.logs.framing import (
     describe,
     find_headers,
     holds_checksum,
+    known,
     record_times,
 )
 from flightstack.logs.source import WINDOW_BYTES, Source
 
-FOLLOWS, BEGINS = 1, 2  # marks of a byte: a time after a record ends here, a record starts here
+# marks of a byte: a time after a record ends here, a record starts here, and one of the chain does
+FOLLOWS, BEGINS, IN_CHAIN = 1, 2, 4
 
 
 def _without_strays(position: Positions, end: Positions) -> NDArray[np.bool_]:
@@ -45,11 +47,13 @@ def _chained(position: Positions, end: Positions, marks: Bytes) -> NDArray[np.in
     `marks` has room for the window, a time and one byte more, where the last record may end.
     """
     marks.fill(0)
-    marks[end + TIMESTAMP] = FOLLOWS
+    after = end + TIMESTAMP
+    marks[after] = FOLLOWS
     marks[TIMESTAMP] = FOLLOWS
-    marks[position] |= BEGINS
+    follows = marks[position]
+    marks[position] = follows | BEGINS
     marks[-1] |= BEGINS
-    rows = np.flatnonzero((marks[position] & FOLLOWS) & (marks[end + TIMESTAMP] >> 1))
+    rows = np.flatnonzero(follows & (marks[after] >> 1))
     return rows[_without_strays(position[rows], end[rows])]
 
 
@@ -58,14 +62,15 @@ def _is_unbroken(position: Positions, end: Positions) -> bool:
     return opens_first and bool((position[1:] == end[:-1] + TIMESTAMP).all())
 
 
-def _wanted(found: Candidates, msgids: list[int]) -> NDArray[np.intp]:
-    """Return the rows of the candidates that have one of these ids and may be whole."""
-    tables = framing_tables()
-    asked = np.zeros(len(tables.ids) + 1, dtype=np.bool_)  # one more: row -1 is unknown
-    asked[np.searchsorted(tables.ids, msgids)] = True
-    rows = np.flatnonzero(asked.take(found.row))
-    fits = found.is_v2[rows] | (found.length[rows] <= tables.size[found.row[rows]])
-    return rows[fits]
+def _wanted(data: Bytes, headers: Candidates, msgids: list[int]) -> Candidates:
+    """Return the candidates that have one of these ids and may be whole."""
+    low_bytes = np.zeros(256, dtype=np.bool_)
+    low_bytes[[msgid & 0xFF for msgid in msgids]] = True
+    low = data[headers.position + np.where(headers.is_v2, 7, 5)]
+    found = known(data, headers.take(np.flatnonzero(low_bytes[low])))
+    asked = np.zeros(len(framing_tables().ids), dtype=np.bool_)
+    asked[np.searchsorted(framing_tables().ids, msgids)] = True
+    return found.take(np.flatnonzero(asked[found.row]))
 
 
 def _in_window(
@@ -85,13 +90,11 @@ def _in_window(
     stop = int(end[rows[-1]]) if len(rows) else 0
     if not _is_unbroken(position, end[rows]) or (is_last and stop != len(data)):
         return None
-    in_chain = np.zeros(len(end), dtype=np.bool_)
-    in_chain[rows] = True
-    wanted = _wanted(found, msgids)
-    wanted = wanted[found.position[wanted] < stop]
-    asked = found.take(wanted)
+    asked = _wanted(data, found, msgids)
+    asked = asked.take(asked.position < stop)
     holds = holds_checksum(data, asked)
-    if not np.array_equal(holds, in_chain[wanted]):
+    marks[position] = IN_CHAIN
+    if not np.array_equal(holds, marks[asked.position] == IN_CHAIN):
         return None
     frames = asked.take(holds)
     free_from = frames.position - TIMESTAMP

@@ -54,8 +54,11 @@ def step(crc: NDArray[np.uint16], byte: NDArray[np.uint16]) -> NDArray[np.uint16
 def _row_checksums(rows: NDArray[np.uint8], lengths: NDArray[np.int64]) -> NDArray[np.uint16]:
     """Return the checksums of rows that end with `lengths` bytes of frame each."""
     width = rows.shape[1]
-    foreign = np.arange(ROW_STEP) < (width - lengths)[:, None]
-    rows[:, :ROW_STEP][foreign] = 0
+    least, most = width - int(lengths.max()), width - int(lengths.min())  # foreign bytes
+    rows[:, :least] = 0
+    if least < most:
+        foreign = np.arange(least, most) < (width - lengths)[:, None]
+        rows[:, least:most][foreign] = 0
     words = np.ascontiguousarray(rows.view("<u2").T)  # (width / 2, n): each step reads one row
     table = word_table()
     crc = np.zeros(len(rows), dtype=np.uint16)

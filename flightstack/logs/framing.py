@@ -29,7 +29,7 @@ from flightstack.logs.frames import (
 MAGIC_V2 = 0xFD
 SIGNED_FLAG = 0x01
 SMALLEST_FRAME = HEADER_V1 + CHECKSUM
-SEARCH_BLOCK = 1 << 16
+SEARCH_BLOCK = 1 << 17
 PLAUSIBLE_TIME_US = (10**15, 41 * 10**14)  # 2001 to 2099
 
 Bytes = NDArray[np.uint8]
@@ -43,7 +43,7 @@ class Candidates(NamedTuple):
     is_v2: NDArray[np.bool_]
     is_signed: NDArray[np.bool_]
     length: NDArray[np.int64]  # of the payload
-    row: NDArray[np.int32]  # in framing_tables()
+    row: NDArray[np.int32]  # in framing_tables(); -1 where unknown, or not looked up
 
     def take(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> "Candidates":
         """Return the candidates of these rows."""
@@ -69,11 +69,12 @@ def message_rows(data: Bytes, position: Positions, is_v2: NDArray[np.bool_]) -> 
     middle = data[np.minimum(position + 8, last)].astype(np.int32)
     high = data[np.minimum(position + 9, last)]
     rows: NDArray[np.int32] = tables.row_of_low_id[low | np.where(is_v2, middle << 8, 0)]
-    rows[is_v2 & (high != 0)] = -1
-    for row in np.flatnonzero(tables.ids >= 1 << 16).tolist():
-        msgid = int(tables.ids[row])
-        hit = is_v2 & (high == msgid >> 16) & ((low | middle << 8) == msgid & 0xFFFF)
-        rows[hit] = row
+    far = np.flatnonzero(is_v2 & (high != 0))
+    if len(far):
+        msgid = low[far] | middle[far] << 8 | high[far].astype(np.int32) << 16
+        row = np.searchsorted(tables.ids, msgid)
+        is_known = tables.ids.take(row, mode="clip") == msgid
+        rows[far] = np.where(is_known, row, -1)
     return rows
 
 
@@ -82,32 +83,38 @@ def magic_positions(data: Bytes) -> Positions:
     blocks = []
     for start in range(0, len(data), SEARCH_BLOCK):
         block = data[start : start + SEARCH_BLOCK]
-        blocks.append(np.flatnonzero((block - np.uint8(MAGIC_V2)) < 2) + start)
-    return np.concatenate(blocks).astype(np.int64) if blocks else np.empty(0, dtype=np.int64)
+        found = np.flatnonzero((block - np.uint8(MAGIC_V2)) < 2)
+        found += start
+        blocks.append(found)
+    return np.concatenate(blocks) if blocks else np.empty(0, dtype=np.int64)
 
 
 def find_headers(data: Bytes) -> Candidates:
-    """Return the places where a whole frame of any message may start; row -1 where unknown."""
+    """Return the places where a whole frame of any message may start; none is looked up."""
     position = magic_positions(data[: max(0, len(data) - SMALLEST_FRAME + 1)])
     is_v2 = data[position] == MAGIC_V2
     incompatible = data[position + 2]
-    keep = ~is_v2 | (incompatible <= SIGNED_FLAG)
-    position, is_v2, incompatible = position[keep], is_v2[keep], incompatible[keep]
     headers = Candidates(
         position,
         is_v2,
         is_v2 & (incompatible == SIGNED_FLAG),
         data[position + 1].astype(np.int64),
-        message_rows(data, position, is_v2),
+        np.full(len(position), -1, dtype=np.int32),
     )
-    return headers.take(headers.end <= len(data))
+    whole = headers.end <= len(data)
+    return headers.take(np.flatnonzero(whole & ~(is_v2 & (incompatible > SIGNED_FLAG))))
+
+
+def known(data: Bytes, headers: Candidates) -> Candidates:
+    """Return the headers of messages in the dialect, with payloads that they may have."""
+    rows = message_rows(data, headers.position, headers.is_v2)
+    fits = headers.is_v2 | (headers.length <= framing_tables().size[rows])
+    return headers._replace(row=rows).take(np.flatnonzero((rows >= 0) & fits))
 
 
 def find_candidates(data: Bytes) -> Candidates:
     """Return the places where a whole frame of a known message may start."""
-    headers = find_headers(data)
-    fits = headers.is_v2 | (headers.length <= framing_tables().size[headers.row])
-    return headers.take((headers.row >= 0) & fits)
+    return known(data, find_headers(data))
 
 
 def holds_checksum(data: Bytes, candidates: Candidates) -> NDArray[np.bool_]:

@@ -17,7 +17,7 @@ from flightstack.logs.dialect import (
 )
 from flightstack.logs.frames import Frames
 from flightstack.logs.payloads import gather
-from flightstack.logs.source import Source
+from flightstack.logs.source import Source, mapped
 from flightstack.logs.table import Table
 
 if TYPE_CHECKING:
@@ -90,6 +90,8 @@ class Log:
     def load(self, names: Iterable[str]) -> None:
         """Decode several types while reading the log once; `log[name]` is then at once."""
         types = {message_id(name) for name in names} - self._tables.keys()
+        if not types:
+            return
         rows = {msgid: np.flatnonzero(self.frames.msgid == msgid) for msgid in types}
         kinds = {msgid: _type_or_raw(msgid) for msgid in types}
         parts = {msgid: self.frames.take(rows[msgid]) for msgid in types}
@@ -139,6 +141,10 @@ class Log:
         if end_us is not None:
             keep &= self.time_us < end_us
         return self.rows(keep)
+
+    def mapped(self) -> "Log":
+        """Return the log with a small file mapped into memory: for programs that end soon."""
+        return Log(mapped(self.source), self.frames, self.time_us, lambda: self.whole)
 
     def rows(self, rows: NDArray[np.bool_] | NDArray[np.intp] | slice) -> "Log":
         """Return the part of the log with these frames."""

@@ -16,7 +16,7 @@ from flightstack.logs.errors import LogFileError
 from flightstack.logs.frames import IS_UNKNOWN, NO_TIME, Frames, join
 from flightstack.logs.log import Log
 from flightstack.logs.scanner import scan
-from flightstack.logs.source import WINDOW_BYTES, MemorySource, Source, held, open_source
+from flightstack.logs.source import WINDOW_BYTES, MemorySource, Source, held, mapped, open_source
 from flightstack.logs.unknown import doubtful
 
 
@@ -56,7 +56,7 @@ def _read_whole(source: Source, window_bytes: int = WINDOW_BYTES) -> Log:
 def _read_types(source: Source, patterns: Iterable[str], window_bytes: int) -> Log | None:
     """Return the log with frames of these types, None where it has to be read whole for them."""
     msgids = _known_ids(patterns)
-    frames = None if msgids is None else find_chained(source, msgids, window_bytes)
+    frames = None if msgids is None else find_chained(mapped(source), msgids, window_bytes)
     if frames is None:
         return None
     return Log(source, frames, frames.time_us, lambda: _read_whole(source, window_bytes))

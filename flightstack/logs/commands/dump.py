@@ -109,6 +109,6 @@ def run(arguments: Namespace) -> int:
     )
     if columns:
         print(options.separator.join(("timestamp", *columns)), flush=True)
-    for some in lines(part, options):
+    for some in lines(part.mapped(), options):
         sys.stdout.buffer.write(some)
     return 0
