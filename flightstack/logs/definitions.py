@@ -7,7 +7,6 @@ time. Without a folder that can be written to, or a home, the dialect is importe
 """
 
 import importlib
-import json
 import os
 from functools import cache
 from importlib.util import find_spec
@@ -26,7 +25,7 @@ NUMPY_FORMATS = {
     "f": "<f4",
     "d": "<f8",
 }
-FORMAT = 2  # of the cache's file; raise it when Definition changes
+FORMAT = 3  # of the cache's file; raise it when Definition changes
 DIALECT = "dialects/v20/all.py"
 
 
@@ -36,15 +35,27 @@ class Definition(NamedTuple):
     name: str
     crc_extra: int
     size: int  # bytes of an untrimmed payload, extensions included
-    layout: str  # JSON of wire and fields
+    wire: str  # name:format:count,... as the fields lie on the wire; format is numpy's
+    fields: str  # name:unit:enum:is_bitmask:is_text:length,... in the order of the definition
 
-    def wire_and_fields(self) -> tuple[list[list[Any]], list[list[Any]]]:
-        """Return the fields as they lie on the wire, then in the order of the definition.
+    def wire_values(self) -> list[tuple[str, str, int]]:
+        """Return name, numpy format and number of elements of each field on the wire."""
+        return [(name, kind, int(count)) for name, kind, count in _values(self.wire)]
 
-        First as name, numpy format and number of elements, then as the values of dialect.Field.
-        """
-        wire, fields = json.loads(self.layout)
-        return wire, fields
+    def field_values(self) -> list[tuple[str, str, str, bool, bool, int]]:
+        """Return the values of dialect.Field of each field in the order of the definition."""
+        return [
+            (name, unit, enum, is_bitmask == "1", is_text == "1", int(length))
+            for name, unit, enum, is_bitmask, is_text, length in _values(self.fields)
+        ]
+
+
+def _values(text: str) -> list[list[str]]:
+    return [part.split(":") for part in text.split(",") if part]
+
+
+def _text(values: list[list[Any]]) -> str:
+    return ",".join(":".join(map(str, part)) for part in values)
 
 
 def mavlink() -> Any:
@@ -70,8 +81,8 @@ def _fields(definition: Any) -> list[list[Any]]:
             name,
             definition.fieldunits_by_name.get(name, ""),
             definition.fieldenums_by_name.get(name, ""),
-            definition.fielddisplays_by_name.get(name) == "bitmask",
-            kind == "char",
+            int(definition.fielddisplays_by_name.get(name) == "bitmask"),
+            int(kind == "char"),
             0 if kind == "char" or lengths[name] == 1 else lengths[name],
         ]
         for name, kind in zip(definition.fieldnames, definition.fieldtypes, strict=True)
@@ -85,7 +96,8 @@ def from_pymavlink() -> dict[int, Definition]:
             name=definition.msgname,
             crc_extra=definition.crc_extra,
             size=definition.unpacker.size,
-            layout=json.dumps([_wire(definition), _fields(definition)], separators=(",", ":")),
+            wire=_text(_wire(definition)),
+            fields=_text(_fields(definition)),
         )
         for msgid, definition in mavlink().mavlink_map.items()
     }
@@ -106,19 +118,23 @@ def cache_file() -> str:
     return os.path.expanduser(f"{folder}/flightstack/definitions.txt")  # noqa: PTH111
 
 
+def _head(stamp: list[Any], lines: str) -> str:
+    return "\t".join(map(str, (*stamp, crc32(lines.encode())))) + "\n"
+
+
 def _kept(stamp: list[Any]) -> dict[int, Definition] | None:
     """Return the definitions in the cache, None where there are none of this dialect."""
     try:
         with open(cache_file(), encoding="utf-8") as file:  # noqa: PTH123
             head, lines = file.readline(), file.read()
-        if json.loads(head) != [*stamp, crc32(lines.encode())]:
+        if head != _head(stamp, lines):
             return None
     except (OSError, ValueError):
         return None  # none yet, or not what was written: they are made anew
     kept = {}
     for line in lines.splitlines():
-        msgid, name, crc_extra, size, layout = line.split("\t")
-        kept[int(msgid)] = Definition(name, int(crc_extra), int(size), layout)
+        msgid, name, crc_extra, size, wire, fields = line.split("\t")
+        kept[int(msgid)] = Definition(name, int(crc_extra), int(size), wire, fields)
     return kept
 
 
@@ -133,7 +149,7 @@ def _keep(definitions: dict[int, Definition], stamp: list[Any]) -> None:
     try:
         os.makedirs(os.path.dirname(path), exist_ok=True)  # noqa: PTH103, PTH120
         with open(part, "w", encoding="utf-8") as file:  # noqa: PTH123
-            file.write(json.dumps([*stamp, crc32(lines.encode())]) + "\n" + lines)
+            file.write(_head(stamp, lines) + lines)
         os.replace(part, path)  # noqa: PTH105
     except OSError:
         return  # it is only slower without

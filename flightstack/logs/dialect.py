@@ -6,7 +6,7 @@ definition, extensions last.
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +49,7 @@ class MessageType:
         raise UnknownNameError(f"{self.name} has no field {name!r}{did_you_mean(name, names)}")
 
 
-def _layout(wire: list[list[Any]]) -> np.dtype[np.void]:
+def _layout(wire: list[tuple[str, str, int]]) -> np.dtype[np.void]:
     return np.dtype(
         [(name, kind, (count,)) if count > 1 else (name, kind) for name, kind, count in wire]
     )
@@ -61,14 +61,13 @@ def message_type(msgid: int) -> MessageType | None:
     definition = definitions().get(msgid)
     if definition is None:
         return None
-    wire, fields = definition.wire_and_fields()
     return MessageType(
         id=msgid,
         name=definition.name,
         crc_extra=definition.crc_extra,
         size=definition.size,
-        dtype=_layout(wire),
-        fields=tuple(Field(*values) for values in fields),
+        dtype=_layout(definition.wire_values()),
+        fields=tuple(Field(*values) for values in definition.field_values()),
     )
 
 

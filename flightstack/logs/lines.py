@@ -4,7 +4,6 @@ The strings are those that mavlogdump.py prints. Lines are made type by type fro
 in the order of the log.
 """
 
-import json
 import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
@@ -18,7 +17,7 @@ from flightstack.logs.log import Log
 from flightstack.logs.table import Table
 
 CHUNK = 6_000  # frames whose lines are made at once: a compromise between steps and caches
-Text = fast_text.Bytes | list[bytes]  # the lines of one type: as a matrix, or each by itself
+Text = fast_text.Lines | list[bytes]  # the lines of one type
 HUNDREDTHS = fast_text.from_texts([f"{number:02d}" for number in range(100)])
 
 
@@ -88,6 +87,8 @@ def _in_order(texts: list[Text], places: list[NDArray[np.intp]]) -> bytes:
 
 
 def _json(table: Table, options: LineOptions) -> Text:
+    import json  # noqa: PLC0415  # takes 2 ms
+
     lines = []
     times = table.time_s.tolist()
     senders = zip(table.system.tolist(), table.component.tolist(), strict=True)

@@ -74,6 +74,21 @@ def held(source: Source) -> Source:
     return MemorySource(source.read(0, source.size), source.name)
 
 
+def mapped(source: Source) -> Source:
+    """Return a small log in a file as memory that the system keeps it in; others as they are.
+
+    Nothing is copied then. A log must not shrink while it is read so: the system ends a process
+    that reads beyond the end.
+    """
+    if source.size > SMALL_BYTES or not isinstance(source, FileSource):
+        return source
+    try:
+        data = np.asarray(np.memmap(source.name, dtype=np.uint8, mode="r"))
+    except (OSError, ValueError):  # a file system that maps nothing, or the log is empty by now
+        return source
+    return MemorySource(data[: source.size], source.name)
+
+
 def windows(source: Source, window_bytes: int = WINDOW_BYTES) -> Iterator[NDArray[np.uint8]]:
     """Yield the log's bytes in order, window by window."""
     for start in range(0, source.size, window_bytes):

@@ -1,6 +1,5 @@
 """What is kept of the dialect is what the dialect says, or it is not used."""
 
-import json
 import pwd
 import subprocess
 import sys
@@ -50,9 +49,8 @@ def test_another_dialect_is_read_anew(cache: Path) -> None:
     fresh = read_anew()
     written = cache.read_text()
     head, _, lines = written.partition("\n")
-    *stamp, checksum = json.loads(head)
-    stamp[-1] += 1
-    cache.write_text(json.dumps([*stamp, checksum]) + "\n" + lines)
+    *stamp, changed_ns, checksum = head.split("\t")
+    cache.write_text("\t".join([*stamp, str(int(changed_ns) + 1), checksum]) + "\n" + lines)
     assert read_anew() == fresh
     assert cache.read_text() == written
 
@@ -61,12 +59,12 @@ def test_what_is_kept_is_used(cache: Path) -> None:
     read_anew()
     head, _, lines = cache.read_text().partition("\n")
     lines = lines.replace("\tATTITUDE\t", "\tALTITUDE\t")
-    stamp = json.loads(head)[:-1]
-    cache.write_text(json.dumps([*stamp, crc32(lines.encode())]) + "\n" + lines)
+    stamp = head.split("\t")[:-1]
+    cache.write_text("\t".join([*stamp, str(crc32(lines.encode()))]) + "\n" + lines)
     assert read_anew()[30].name == "ALTITUDE"
 
 
-@pytest.mark.parametrize("head", ["", "[]", "{}", "null", "[2", '"', "\udcff\udcfe"])
+@pytest.mark.parametrize("head", ["", "3", "\t\t\t\t", "[]", "\udcff\udcfe"])
 def test_a_damaged_cache_is_written_anew(cache: Path, head: str) -> None:
     fresh = read_anew()
     written = cache.read_bytes()
