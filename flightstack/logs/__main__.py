@@ -1,5 +1,8 @@
 """Run the command line: python -m flightstack.logs."""
 
-from flightstack.logs.cli import main
+import gc
 
-raise SystemExit(main())
+gc.disable()  # while importing: what imports make stays
+from flightstack.logs.cli import run_and_leave  # noqa: E402
+
+run_and_leave()

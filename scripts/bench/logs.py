@@ -98,6 +98,7 @@ def child_s(command: list[str], output: Path, bytecode: Path) -> tuple[float, fl
         **os.environ,
         "PYTHONPYCACHEPREFIX": str(bytecode),
         "PYTHONDONTWRITEBYTECODE": "",
+        "PYTHONUNBUFFERED": "",  # or mavlogdump.py writes every line by itself
     }
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     started = time.perf_counter()
@@ -179,6 +180,13 @@ def measure_dump(path: Path, folder: Path, rounds: int) -> None:
         print_pair(f"dump --types ATTITUDE, {clock}: from start to end", slow, fast)
         slow, fast = slow - best["theirs", "start"], fast - best["ours", "start"]
         print_pair(f"dump --types ATTITUDE, {clock}: without its start-up", slow, fast)
+    for code in ("pass", "import numpy"):
+        starts = [
+            child_s([PYTHON, "-c", code], folder / "none.txt", folder / "bytecode")
+            for _ in range(rounds)
+        ]
+        cpu, wall = (min(column) for column in zip(*starts, strict=True))
+        print(f"  python -c {code!r}: {cpu:.3f} s CPU, {wall:.3f} s wall")
     same = theirs_out.read_bytes() == ours_out.read_bytes()
     rows = ours_out.read_bytes().count(b"\n")
     print(f"  {rows} rows, {'the same' if same else 'NOT THE SAME'} from both")

@@ -162,6 +162,33 @@ def test_a_reader_that_stops_early_is_no_error(log: Path) -> None:
     assert ran.stderr == ""
 
 
+@pytest.mark.parametrize(
+    ("options", "code"),
+    [(["--types", "ATTITUDE"], 0), (["--types", "ATITUDE"], 2), (["--types", "X", "--json"], 2)],
+)
+def test_a_dump_says_all_of_it_before_it_ends(
+    options: list[str], code: int, log: Path, capsys: Capture
+) -> None:
+    arguments = ["dump", str(log), *options]
+    assert main(arguments) == code
+    expected = capsys.readouterr()
+    command = [sys.executable, "-m", "flightstack.logs", *arguments]
+    ran = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert ran.returncode == code
+    assert (ran.stdout, ran.stderr) == (expected.out, expected.err)
+    assert ran.stdout or ran.stderr
+
+
+def test_a_dump_nobody_reads_is_no_error(log: Path) -> None:
+    command = [sys.executable, "-m", "flightstack.logs", "dump", str(log), "--types", "HEARTBEAT"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+        assert running.stdout is not None
+        running.stdout.close()
+        _, said = running.communicate(timeout=60)
+    assert running.returncode == 0
+    assert said == b""
+
+
 MISTAKES = [
     (["summary", "{folder}/none.tlog"], "no such file"),
     (["summary", "{folder}/empty"], "holds no logs"),
