@@ -8,7 +8,7 @@
 Standing and waiting, the vehicle handles whatever comes in, at one and the same vehicle time.
 Locked and answered, it runs to the next frame and reads nothing, so that what happens depends on
 the order of messages alone, never on wall time. Free, time passes at the pace of the wall clock.
-A camera that fails gives nothing to answer: after a second of it messages are read at any time.
+A camera that fails gives nothing to answer: after 1.5 s of it messages are read at any time.
 """
 
 import logging

@@ -1,8 +1,9 @@
 """Run the vehicle on its sockets: one thread, one selector.
 
-Each tick: step the simulation, send the telemetry of that moment on the links, then, if the
-camera looks, its CAMERA_TRIGGER, then the frame's bytes. In real time, messages are handled
-between ticks as they come; in lockstep only while time stands (see `sitl.lockstep`).
+Each tick: step the simulation, say the telemetry of that moment on the links, then, if the
+camera looks, its CAMERA_TRIGGER, then the frame's bytes. What is said leaves before the loop waits
+for anything, and before a frame. In real time, messages are handled between ticks as they come; in
+lockstep only while time stands (see `sitl.lockstep`).
 """
 
 import logging
@@ -12,7 +13,7 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from sitl.camera_stream import CameraStream
-from sitl.clock import SECOND_US, TICK_US
+from sitl.clock import TICK_US
 from sitl.lockstep import Lockstep
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.link import Link
@@ -27,7 +28,8 @@ STANDING_HEARTBEAT_S = 1.0  # wall time between heartbeats while vehicle time st
 LIST_WAIT_S = TICK_US / 1e6  # pace of parameter lists while vehicle time stands
 MAX_DATAGRAMS = 64  # of one link at a time: a flood must not stop the clock
 FLUSH_S = 1.0
-BLIND_US = SECOND_US  # vehicle time without a frame, after which lockstep listens between ticks
+BLIND_US = 1_500_000  # vehicle time without a frame, after which lockstep listens between ticks:
+# longer than any gap of a camera that comes back (1.05 s, where it fails intermittently)
 TICKS_AT_ONCE = 25  # without looking up, as fast as possible: a frame comes every 12 or 13
 
 _log = logging.getLogger(__name__)
@@ -199,6 +201,8 @@ class Server:
         self._endpoint.publish()
         if not self._simulation.frame_due():
             return False
+        if self._lockstep is None:
+            self._let_go()  # rendering takes its time
         frame = self._simulation.render()
         self._endpoint.publish_trigger(frame)
         self._let_go()

@@ -1,12 +1,12 @@
 """Measure how fast lockstep flies, and where the time goes.
 
     python scripts/bench/lockstep.py [--laps 4] [--track-seed 0] [--noise 0,0] [--model NAME]
-                                     [--against COMMIT [--rounds 3]]
+                                     [--against COMMIT [--rounds 4]]
 
 Flies vehicle and companion as two processes over their sockets, as fast as they can: once as they
 are, for the real-time factor from the first frame to the disarming; and once with their parts
 timed, for the CPU time of every part in the stretch in which the network flew. With a commit it
-flies that commit's code in turns with this one, either first as often as the other, and prints the
+flies that commit's code in turns with this one, now the one first, now the other, and prints the
 least cost of each side by side, with their ratio. Wall times say something on an idle machine only.
 """
 
@@ -153,7 +153,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="lockstep.py", description=(__doc__ or "").split("\n")[0])
     add_flight_options(parser)
     parser.add_argument("--against", metavar="COMMIT", help="print another commit's cost beside")
-    parser.add_argument("--rounds", type=int, default=3, help="flights of each code")
+    parser.add_argument(
+        "--rounds", type=int, choices=range(1, 100), default=4, help="flights of each code"
+    )
     options = parser.parse_args()
     console = Console(width=78)
     console.print(f"load of this machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")

@@ -130,6 +130,10 @@ class Link(ABC):
             data, self._gathered = self._gathered, b""
             self._transmit(data)
 
+    def _forget(self) -> None:
+        """Drop what was gathered: whoever it was for has gone."""
+        self._gathered = b""
+
     def _emit(self, data: bytes) -> None:
         if self.radio is None and self._gathers:
             if len(self._gathered) + len(data) > MAX_DATAGRAM_BYTES:

@@ -74,7 +74,7 @@ class Outgoing:
                     link.send(message)
 
     def send_streams(self, time_us: int, make_view: Callable[[], View]) -> None:
-        """Send what the links' tables say is due, each link's in one datagram."""
+        """Send what the links' tables say is due, each link's together."""
         view: View | None = None
         packets: dict[int, Packet | None] = {}
         for link, streams in zip(self._links, self.streams, strict=True):

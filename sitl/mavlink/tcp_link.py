@@ -100,6 +100,7 @@ class TcpLink(Link):
         client.settimeout(0.0)
         client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         client.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        self._forget()
         self._client = client
         self._selector.register(client, selectors.EVENT_READ)
 
@@ -143,6 +144,7 @@ class TcpLink(Link):
         self.gcs_heard = False
         self._unread = b""
         self._pending.clear()
+        self._forget()
 
 
 def _listen(local: Address) -> socket.socket:

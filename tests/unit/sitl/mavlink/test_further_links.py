@@ -190,3 +190,22 @@ def test_a_stream_cut_anywhere_gives_the_same_frames(
         got += [r.raw[4] for r in received]
         stream = stream[cut:]
     assert got == sequences
+
+
+def test_what_was_gathered_for_a_client_is_not_for_the_next(tcp: TcpLink) -> None:
+    tcp.gather()
+    with socket.create_connection((HOST, tcp.local_port)) as first:
+        first.sendall(raw())
+        while not drain(tcp):
+            pass
+        tcp.send(HEARTBEAT)
+    while tcp.is_open:
+        drain(tcp)
+    with socket.create_connection((HOST, tcp.local_port)) as second:
+        while not tcp.is_open:
+            drain(tcp)
+        tcp.send(HEARTBEAT)
+        tcp.flush()
+        second.settimeout(1.0)
+        (received,) = split(second.recv(2048))
+        assert received.raw[4] == 1  # the first one's message, number 0, went with it
