@@ -59,10 +59,11 @@ class Heading:
 
 
 class Facing:
-    """Judges whether a vehicle that has arrived faces as it was asked to, as PX4's navigator does.
+    """Judges whether a vehicle that has arrived faces as it was asked to.
 
-    Without MIS_YAW_TMT it waits for the heading, however long that takes. With it, only headings
-    that are forced are waited for: those of a LOITER_TIME whose second parameter is above 0.
+    As with PX4's navigator, it waits without MIS_YAW_TMT for the heading, however long that takes.
+    With it, only headings that are forced are waited for: those of a LOITER_TIME whose second
+    parameter is above 0. PX4 gives the mission up when that takes too long; here it waits on.
     """
 
     def __init__(self, parameters: Parameters) -> None:

@@ -105,9 +105,10 @@ class Estimator:
 
     def _shake(self, drift: ShakenDrift, seen: VehicleState, sensed: Readings) -> None:
         """Let what the inertial unit misreads in, as long as it is believed."""
-        is_inertial = sensed.health.gyro and sensed.health.accelerometer
+        health = sensed.health
+        is_inertial = health.gyro and health.accelerometer
         if is_inertial and not self._is_inertial:
-            drift.restart()
+            drift.restart(xy_aided=health.gps, z_aided=health.gps or health.barometer)
         self._is_inertial = is_inertial
         drift.feel(*(self._misread(seen, sensed) if is_inertial else (ZERO, ZERO)))
 

@@ -63,11 +63,16 @@ class ShakenDrift(Drift):
         x, y, z = rates_ned
         self._rates_ned = (share * x, share * y, share * z)
 
-    def restart(self) -> None:
-        """Forget every error but the heading's: the filter starts anew, its inertial unit back."""
+    def restart(self, *, xy_aided: bool = True, z_aided: bool = True) -> None:
+        """Start the filter anew, its inertial unit back: forget what is not lost for good.
+
+        The heading's error stays, and so do those of velocity and position that nothing aids.
+        """
         self._tilt = (self._draw(TILT_STD_RAD), self._draw(TILT_STD_RAD))
-        self.restart_xy()
-        self._vz, self._z = self._draw(VELOCITY_STD_M_S[1]), self._draw(POSITION_STD_M[1])
+        if xy_aided:
+            self.restart_xy()
+        if z_aided:
+            self._vz, self._z = self._draw(VELOCITY_STD_M_S[1]), self._draw(POSITION_STD_M[1])
 
     def restart_xy(self) -> None:
         """Forget a position that has run away: the filter starts anew from the receiver."""

@@ -1,8 +1,9 @@
 """The quadrotor of PX4's simulator (SIH, airframe 10040), as it was observed, with little drag.
 
 The observed parameters say all of it: SIH_MASS, SIH_IXX to SIH_IZZ, SIH_T_MAX, SIH_Q_MAX,
-SIH_L_ROLL, SIH_L_PITCH, SIH_KDW, SIH_T_TAU, MPC_THR_HOVER, and SIH_KDV 0.1 instead of 1. The same
-torque, as a share of the greatest, turns an x500 1.7 times as fast.
+SIH_L_ROLL, SIH_L_PITCH, SIH_KDW, SIH_T_TAU, MPC_THR_HOVER. SIH_KDV is 1 by default; the steps that
+are compared were flown with 0.1. The same torque, as a share of the greatest, turns an x500 1.7
+times as fast.
 """
 
 import dataclasses

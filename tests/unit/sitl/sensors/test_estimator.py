@@ -209,3 +209,18 @@ def test_a_shaken_estimate_is_as_good_as_before_once_its_inertial_unit_is_back(s
     assert abs(back.position_ned[2] + 3.0) < 5.0 * shaken.POSITION_STD_M[1]
     _, x, y, _ = back.q_ned_frd
     assert 2.0 * math.hypot(x, y) < 5.0 * math.sqrt(2.0) * shaken.TILT_STD_RAD
+
+
+def test_a_position_without_a_receiver_stays_lost_when_the_inertial_unit_is_back():
+    estimator = Estimator(np.random.default_rng(0), ZERO, ZERO, rotor_noise_share=1.0)
+    estimator.align()
+    well, wrong = readings(), readings()._replace(specific_force_frd=(3.0, 0.0, -9.8))
+    without = ALL_WELL._replace(gps=False)
+    for tick in range(500):
+        astray = estimator.update(state(4000 * tick), wrong._replace(health=without))
+    lost_m = math.dist(astray.position_ned[:2], state(0).position_ned[:2])
+    assert lost_m > 2.0
+    ill = well._replace(health=without._replace(gyro=False))
+    estimator.update(state(2_000_000), ill)
+    back = estimator.update(state(2_004_000), well._replace(health=without))
+    assert math.dist(back.position_ned[:2], state(0).position_ned[:2]) >= 0.9 * lost_m
