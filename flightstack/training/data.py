@@ -6,7 +6,7 @@ any number of cores, and an interrupted run goes on where it stopped.
 
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -56,7 +56,7 @@ def describe(
     """Name all that a dataset's bytes depend on, but its size."""
     settings = named_settings(recipe.views if kind == "perception" else recipe.flights)
     about = {"kind": kind, "recipe": recipe.name, "seed": seed, "settings": settings}
-    return about if piloting is None else {**about, "pilot": asdict(piloting)}
+    return about if piloting is None else {**about, "pilot": piloting.describe()}
 
 
 def generate_perception(

@@ -148,12 +148,13 @@ class Recipe:
                 f"got {sorted(table)}"
             )
         fog = _build(Fog, table["fog"], f"recipe {name}: fog") if "fog" in table else NO_FOG
-        dagger = table.get("dagger")
         return cls(
             name=name,
             views=_build(ViewRecipe, table["views"], f"recipe {name}: views", fog=fog),
             flights=_build(FlightRecipe, table["flights"], f"recipe {name}: flights", fog=fog),
-            dagger=dagger and _build(Dagger, dagger, f"recipe {name}: dagger"),
+            dagger=_build(Dagger, table["dagger"], f"recipe {name}: dagger")
+            if "dagger" in table
+            else None,
         )
 
 

@@ -157,6 +157,30 @@ def test_policies_learn_from_a_first_models_flights_too(
     assert flown["pilot"]["weights_sha256"] == pilot.weights_sha256
     assert flown["seed"] != both.manifest["joined"][0]["seed"]
 
+    shutil.move(plan.runs, plan.runs.with_name("moved"))  # wherever it lies, it is the same
+    moved = dataclasses.replace(plan, runs=plan.runs.with_name("moved"))
+    everything.fly_dagger(moved, Dagger(images_share=0.5))
+    assert moved.flights().sha256 == both.sha256
+
+
+def test_a_first_model_needs_its_encoder_whichever_models_are_asked_for(
+    plan: everything.Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class FlownError(Exception):
+        """Far enough."""
+
+    def fly(*_: object) -> None:
+        raise FlownError
+
+    trained: list[str] = []
+    monkeypatch.setattr(everything, "PROCESSES", 1)
+    monkeypatch.setattr(everything, "make_data", lambda _: None)
+    monkeypatch.setattr(everything, "train_encoder", lambda _, encoder: trained.append(encoder))
+    monkeypatch.setattr(everything, "fly_dagger", fly)
+    with pytest.raises(FlownError):
+        everything.train_all(dataclasses.replace(plan, device="cpu", only=("m1",)))
+    assert trained == ["mcd", "plain"]
+
 
 def test_all_calibrates_every_model_that_it_writes(
     perception_run: PerceptionRun,

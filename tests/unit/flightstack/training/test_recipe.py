@@ -37,6 +37,7 @@ def test_an_unknown_recipe_names_the_known():
         ("[flights]", "[planes]", r"expected \[views\] and \[flights\]"),
         ("share = 0.25\nvis", "share = 1.25\nvis", "fog.share: must be from 0 to 1, got 1.25"),
         ("visibility_m = [12.0", "visibility_m = [90.0", "fog.visibility_m: .* not in order"),
+        ("images_share = 0.5", "", "dagger: missing images_share"),
         (
             "images_share = 0.5",
             "images_share = 0.0",
