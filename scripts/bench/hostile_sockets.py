@@ -32,7 +32,7 @@ class Observer:
         self.is_partner = False
 
     def look(self, generator: Generator, modes: Counter[int]) -> None:
-        """Read what has come in."""
+        """Read what has come in, and count modes until the course is over."""
         with contextlib.suppress(BlockingIOError):
             while True:
                 data, vehicle = self.socket.recvfrom(4096)
@@ -50,7 +50,7 @@ class Observer:
             return
         if component == AUTOPILOT and number == HEARTBEAT:
             self.mode = int.from_bytes(payload[:4], "little")
-            modes[self.mode] += 1
+            modes[self.mode] += not self.is_over
         elif component == REFEREE and number == MISSION_CURRENT:
             self.is_over = payload[4] >= COMPLETE - 1
 

@@ -158,7 +158,7 @@ def measure_reading(path: Path, rounds: int) -> None:
 
 def measure_dump(path: Path, folder: Path, rounds: int) -> None:
     """Compare `dump --types ATTITUDE` with mavlogdump.py: whole commands, and without start-up."""
-    theirs_out, ours_out = folder / "theirs.txt", folder / "ours.txt"
+    bytecode, nothing = folder / "bytecode", folder / "nothing.txt"
     mavlogdump = str(Path(PYTHON).with_name("mavlogdump.py"))
     empty = folder / "one.tlog"
     empty.write_bytes(first_record(path))
@@ -166,13 +166,13 @@ def measure_dump(path: Path, folder: Path, rounds: int) -> None:
         "theirs": [PYTHON, mavlogdump, "--types", "ATTITUDE"],
         "ours": [PYTHON, "-m", "flightstack.logs", "dump", "--types", "ATTITUDE"],
     }
-    outputs = {"theirs": theirs_out, "ours": ours_out}
+    outputs = {who: folder / f"{who}.txt" for who in commands}
     taken: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for _ in range(rounds):
         for what, log in (("whole", path), ("start", empty)):
             for who, command in commands.items():
-                output = outputs[who] if what == "whole" else folder / "nothing.txt"
-                times = child_s([*command, str(log)], output, folder / "bytecode")
+                output = outputs[who] if what == "whole" else nothing
+                times = child_s([*command, str(log)], output, bytecode)
                 taken.setdefault((who, what), []).append(times)
     for column, clock in enumerate(("CPU", "wall")):
         best = {key: min(each[column] for each in times) for key, times in taken.items()}
@@ -181,14 +181,11 @@ def measure_dump(path: Path, folder: Path, rounds: int) -> None:
         slow, fast = slow - best["theirs", "start"], fast - best["ours", "start"]
         print_pair(f"dump --types ATTITUDE, {clock}: without its start-up", slow, fast)
     for code in ("pass", "import numpy"):
-        starts = [
-            child_s([PYTHON, "-c", code], folder / "none.txt", folder / "bytecode")
-            for _ in range(rounds)
-        ]
+        starts = [child_s([PYTHON, "-c", code], nothing, bytecode) for _ in range(rounds)]
         cpu, wall = (min(column) for column in zip(*starts, strict=True))
         print(f"  python -c {code!r}: {cpu:.3f} s CPU, {wall:.3f} s wall")
-    same = theirs_out.read_bytes() == ours_out.read_bytes()
-    rows = ours_out.read_bytes().count(b"\n")
+    theirs, ours = (outputs[who].read_bytes() for who in commands)
+    same, rows = theirs == ours, ours.count(b"\n")
     print(f"  {rows} rows, {'the same' if same else 'NOT THE SAME'} from both")
 
 
@@ -203,8 +200,7 @@ def measure_summary(path: Path, rounds: int) -> None:
     from flightstack.logs.commands.summary import summary_of  # noqa: PLC0415
 
     summary_of(path, None)  # imports and tables
-    walls = []
-    cpus = []
+    walls, cpus = [], []
     for _ in range(rounds):
         started = time.perf_counter()
         cpus.append(cpu_s(lambda: summary_of(path, None)))

@@ -3,6 +3,7 @@
 import socket
 import subprocess
 import time
+from collections import deque
 from collections.abc import Callable
 from typing import Any, Self
 
@@ -27,6 +28,7 @@ class Observer:
         self._codec = mavlink.MAVLink(None, srcSystem=255, srcComponent=190)
         self._codec.robust_parsing = True
         self._said_hello_s = 0.0
+        self._waiting: deque[Any] = deque()  # came in one datagram with what was returned last
 
     def __enter__(self) -> Self:
         return self
@@ -52,8 +54,9 @@ class Observer:
         """Return the first message that meets the condition; each message is looked at once."""
         deadline_s = time.monotonic() + timeout_s
         while time.monotonic() < deadline_s:
-            for message in self._receive():
-                if condition(message):
+            self._waiting.extend(self._receive())
+            while self._waiting:
+                if condition(message := self._waiting.popleft()):
                     return message
             assert running is None or running.poll() is None, (
                 f"{running.args!r} ended before {what}"
