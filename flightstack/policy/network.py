@@ -74,9 +74,10 @@ class PolicyStack(nn.Module):
     def forward(self, z: Tensor, quantile: Tensor | None = None) -> tuple[Tensor, Tensor]:
         """Map latents (N, B, Z) or (B, Z) to mean and log-variance, each (N, B, 4).
 
-        A deterministic policy claims the smallest log-variance that a probabilistic one can. With
-        mixture heads each latent sample follows one of them, by their weights: the one at its
-        `quantile` (B,) of the weights' sum; left out, the samples spread evenly over [0, 1).
+        A deterministic policy claims the smallest log-variance that a probabilistic one can, until
+        it is recalibrated. With mixture heads each latent sample follows one of them, by their
+        weights: the one at its `quantile` (B,) of the weights' sum; left out, the samples spread
+        evenly over [0, 1).
         """
         if self.mixture > 1:
             return self._follow(self.heads(z), quantile)

@@ -62,7 +62,7 @@ validation data, not on other scenes.
 
 ## Policy, validation flights
 
-{_policy_table(metrics["policy"], probabilistic=config.policy.probabilistic)}
+{_policy_table(metrics["policy"])}
 
 Over {metrics["policy"]["images"]} images, as the model flies. RMSE is of the mean of all
 predictions; NLL and coverage are of their mixture.
@@ -72,11 +72,6 @@ predictions; NLL and coverage are of their mixture.
 
 
 def _recalibration(config: ModelConfig) -> str:
-    if not config.policy.probabilistic:
-        return (
-            "A deterministic policy predicts no variance: its interval is the spread of the\n"
-            "latent samples alone, and there is nothing to recalibrate."
-        )
     pairs = zip(VELOCITIES, config.policy.variance_factor, strict=True)
     scaled = [f"{name} x {factor:.2f}" for name, factor in pairs if factor != 1.0]
     if not scaled:
@@ -127,14 +122,14 @@ def _perception_table(metrics: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _policy_table(metrics: dict[str, Any], *, probabilistic: bool) -> str:
+def _policy_table(metrics: dict[str, Any]) -> str:
     lines = [
         "| velocity | RMSE | of a constant | NLL | 90 % interval covers |",
         "|---|---|---|---|---|",
     ]
     for k, name in enumerate(VELOCITIES):
         rmse, constant = metrics["rmse"][k], metrics["constant_rmse"][k]
-        nll = f"{metrics['nll'][k]:.2f}" if probabilistic else "none"
+        nll = metrics["nll"][k]
         coverage = metrics["coverage"][k]
-        lines.append(f"| {name} | {rmse:.3f} | {constant:.3f} | {nll} | {_percent(coverage)} |")
+        lines.append(f"| {name} | {rmse:.3f} | {constant:.3f} | {nll:.2f} | {_percent(coverage)} |")
     return "\n".join(lines)

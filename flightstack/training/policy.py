@@ -113,7 +113,6 @@ class _Trainer:
             self.labels[self.validation].astype(np.float64),
             members=self.settings.members,
             constant=self.labels[self.train].mean(axis=0, dtype=np.float64),
-            recalibrate=self.settings.probabilistic,
         )
 
     def _loss(self, z: Tensor, targets: Tensor) -> Tensor:

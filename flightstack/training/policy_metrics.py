@@ -61,11 +61,13 @@ def measure_policy(
     *,
     members: int,
     constant: NDArray[np.float64],  # (4,)
-    recalibrate: bool = False,
 ) -> PolicyMetrics:
-    """Compare mixtures of S Gaussians, member by member in the first axis, with the labels."""
+    """Compare mixtures of S Gaussians, member by member in the first axis, with the labels.
+
+    All but `coverage_before` is of the mixtures as recalibrated on these very images.
+    """
     before = coverage(mean, var, target)
-    factor = variance_factor(mean, var, target) if recalibrate else (1.0,) * len(VELOCITIES)
+    factor = variance_factor(mean, var, target)
     var = var * factor
     std = np.sqrt(var)
     log_density = -0.5 * np.square((target - mean) / std) - np.log(std) - 0.5 * np.log(2.0 * np.pi)

@@ -85,7 +85,6 @@ def measure(model: Model, validation: Labelled, *, seed: int) -> PolicyMetrics:
         validation.commands,
         members=config.policy.members,
         constant=validation.commands.mean(axis=0),
-        recalibrate=config.policy.probabilistic,
     )
 
 

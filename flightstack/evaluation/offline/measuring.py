@@ -48,7 +48,7 @@ def judge(name: str, material: Material, *, seed: int) -> Judgement:
         model=name,
         images=len(material.flights),
         scene_images=len(material.scenes[PLAIN]),
-        velocities=_velocities(flown, material, has_density=model.config.policy.probabilistic),
+        velocities=_velocities(flown, material),
         poses=_poses(model, material),
         auroc=_auroc(model, scenes),
         multimodal={
@@ -59,15 +59,13 @@ def judge(name: str, material: Material, *, seed: int) -> Judgement:
     )
 
 
-def _velocities(
-    flown: Predictions, material: Material, *, has_density: bool
-) -> dict[str, dict[str, Any]]:
+def _velocities(flown: Predictions, material: Material) -> dict[str, dict[str, Any]]:
     found: dict[str, dict[str, Any]] = {}
     for k, name in enumerate(VELOCITIES):
         mixture = flown.mean[..., k], flown.var[..., k], material.commands[:, k]
         curve = coverage_curve(*mixture)
         found[name] = {
-            **mixture_scores(*mixture, has_density=has_density),
+            **mixture_scores(*mixture),
             "coverage90": curve[LEVELS.index(0.9)],
             "calibration": {"levels": list(LEVELS), "covered": curve},
         }

@@ -44,13 +44,9 @@ def _velocities(judged: list[Judgement]) -> Table:
     for one in judged:
         for name in VELOCITIES:
             found = one.velocities[name]
-            figures = (_figure(found[key]) for key in ("nll", "crps", "rmse"))
+            figures = (f"{found[key]:.3f}" for key in ("nll", "crps", "rmse"))
             table.add_row(one.model, name, *figures, f"{found['coverage90']:.1%}")
     return table
-
-
-def _figure(value: float | None) -> str:
-    return "none" if value is None else f"{value:.3f}"
 
 
 def _poses(judged: list[Judgement]) -> Table:

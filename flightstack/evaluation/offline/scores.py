@@ -19,13 +19,8 @@ def mixture_scores(
     mean: NDArray[np.float64],  # (K, S) components of one velocity
     var: NDArray[np.float64],  # (K, S)
     target: NDArray[np.float64],  # (K,)
-    *,
-    has_density: bool = True,
-) -> dict[str, float | None]:
-    """NLL in nats, CRPS and RMSE in the velocity's unit, averaged over the images.
-
-    There is no NLL where the components are points in all but name.
-    """
+) -> dict[str, float]:
+    """NLL in nats, CRPS and RMSE in the velocity's unit, averaged over the images."""
     rules = load_library("scoringrules")
     std = np.sqrt(var)
     starts = range(0, len(target), CHUNK)
@@ -34,7 +29,7 @@ def mixture_scores(
         for k in starts
     ]
     return {
-        "nll": float(np.mean(rules.logs_mixnorm(target, mean, std))) if has_density else None,
+        "nll": float(np.mean(rules.logs_mixnorm(target, mean, std))),
         "crps": float(np.mean(np.concatenate(crps))),
         "rmse": float(np.sqrt(np.mean(np.square(mean.mean(axis=1) - target)))),
     }

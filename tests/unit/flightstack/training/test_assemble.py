@@ -11,11 +11,9 @@ from flightstack import models
 from flightstack.companion.pipeline import load_pipeline
 from flightstack.errors import UsageError
 from flightstack.perception.dronet import Dronet
-from flightstack.policy.config import PolicyConfig
 from flightstack.records import Frame
 from flightstack.training import everything
 from flightstack.training.assemble import write_model
-from flightstack.training.card import model_card
 from flightstack.training.catalogue import read_catalogue
 from flightstack.training.data import generate_control
 from flightstack.training.dataset import Dataset, read_dataset
@@ -209,15 +207,22 @@ def test_validation_flights_are_a_function_of_their_seed() -> None:
     assert not np.array_equal(first.images, other.images)
 
 
-def test_a_deterministic_policy_claims_no_density(folder: Path) -> None:
-    config = models.read_config(folder / models.CONFIG_FILE)
-    config = dataclasses.replace(
-        config, policy=PolicyConfig(members=1, probabilistic=False, variance_factor=(1.0,) * 4)
-    )
-    metrics = json.loads((folder / "metrics.json").read_text())
-    card = model_card(config, read_catalogue()["m3"], metrics)
-    assert card.count("| none |") == 4
-    assert "nothing to recalibrate" in card
+def test_a_deterministic_policy_gets_the_variance_that_it_leaves_unexplained(
+    perception_run: PerceptionRun, control_data: Dataset, encoder: Dronet, tmp_path: Path
+) -> None:
+    settings = PolicySettings(members=1, probabilistic=False, epochs=20, batch=32)
+    common = {"perception": "x", "device": torch.device("cpu"), "report": lambda _: None}
+    train_policy(control_data, encoder, settings, tmp_path / "run", **common)
+    runs = read_run(perception_run.folder), read_run(tmp_path / "run")
+    folder = tmp_path / "m3"
+    write_model(folder, read_catalogue()["m3"], *runs, recipe="test", preset="quick")
+    recalibrate(str(folder), Labelled.held_out(control_data), seed=0, report=lambda _: None)
+    measured = json.loads((folder / "metrics.json").read_text())["policy"]
+    assert max(measured["coverage_before"]) < 0.85
+    assert measured["coverage"] == pytest.approx([0.9] * 4, abs=0.02)
+    frame = Frame(stamp_us=0, sequence=0, rgb=control_data.images[:1][0])
+    decision = load_pipeline(str(folder)).decide(frame)
+    assert decision.aleatoric_std == pytest.approx(measured["aleatoric_std"], rel=1e-4)
 
 
 def test_metrics_stand_beside_the_weights(folder: Path, perception_run: PerceptionRun) -> None:

@@ -20,15 +20,17 @@ def test_one_gaussian_that_tells_the_truth_covers_ninety_percent() -> None:
 
 
 def test_mixture_is_more_than_its_moments() -> None:
-    """Two sharp Gaussians at -1 and 1: labels at 0 lie between them, outside of both."""
-    mean = np.stack([np.full((100, 4), -1.0), np.full((100, 4), 1.0)])
+    """Two sharp Gaussians at -1 and 1: one Gaussian of their moments would lose 4 nats."""
+    modes = np.repeat([-1.0, 1.0], 10_000)[:, np.newaxis]
+    on_one = modes + RNG.normal(0.0, 0.01, (20_000, 4))
+    mean = np.broadcast_to([[[-1.0]], [[1.0]]], (2, 20_000, 4))
     var = np.full(mean.shape, 1e-4)
-    middle = measure_policy(mean, var, np.zeros((100, 4)), members=2, constant=np.zeros(4))
-    on_one = measure_policy(mean, var, np.ones((100, 4)), members=2, constant=np.zeros(4))
-    assert middle.nll[0] > 1000.0
-    assert on_one.nll[0] == pytest.approx(np.log(2.0) - norm.logpdf(0.0, 0.0, 0.01))
-    assert middle.policy_std[0] == pytest.approx(1.0)
-    assert middle.latent_std[0] == 0.0
+    metrics = measure_policy(mean, var, on_one, members=2, constant=np.zeros(4))
+    assert metrics.variance_factor == (1.0,) * 4
+    expected = np.log(2.0) - norm.logpdf(on_one, modes, 0.01).mean(axis=0)
+    assert metrics.nll == pytest.approx(expected)
+    assert metrics.policy_std[0] == pytest.approx(1.0)
+    assert metrics.latent_std[0] == 0.0
 
 
 def test_line_names_every_velocity() -> None:
@@ -49,7 +51,6 @@ def test_recalibration_finds_the_factor_and_leaves_good_intervals_alone() -> Non
         target,
         members=1,
         constant=np.zeros(4),
-        recalibrate=True,
     )
     assert metrics.variance_factor == pytest.approx([1.0, 0.25, 6.25, 1.0], rel=0.05)
     assert metrics.coverage == pytest.approx([0.9] * 4, abs=0.02)

@@ -18,13 +18,6 @@ def test_scores_of_one_gaussian_are_the_textbooks():
     assert scores["rmse"] == pytest.approx(np.sqrt(np.mean((mean[:, 0] - target) ** 2)))
 
 
-def test_points_have_no_density():
-    mean, target = RNG.normal(0.0, 1.0, (10, 3)), np.zeros(10)
-    scores = mixture_scores(mean, np.full((10, 3), 1e-30), target, has_density=False)
-    assert scores["nll"] is None
-    assert scores["crps"] > 0.0
-
-
 def test_crps_of_a_mixture_agrees_with_monte_carlo():
     mean, std = np.array([[-1.0, 1.0, 1.5]]), np.array([[0.3, 0.5, 0.1]])
     chosen = RNG.integers(3, size=(2, 200_000))
