@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
+CRITICAL, WARNING, NOTICE, INFO = 2, 4, 5, 6  # MAV_SEVERITY of a StatusText
 MotorThrusts = tuple[float, float, float, float]  # fraction of each rotor's maximum thrust, 0..1
 
 
@@ -114,7 +115,7 @@ class Frame:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StatusText:
-    """A line for the pilot: severity as MAV_SEVERITY (2 critical, 3 error, 4 warning, 6 info)."""
+    """A line for the pilot, with its MAV_SEVERITY."""
 
     severity: int
     text: str

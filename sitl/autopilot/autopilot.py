@@ -113,6 +113,7 @@ class Autopilot:
             self._offboard,
             fence_breached=self._is_fence_breached(estimate),
             mission_available=self.missions.is_available,
+            mission_failed=self.missions.flight.failed,
         )
         commander.update(estimate.time_us, health, landed=landed)
         request, self._commands.home_request = self._commands.home_request, None

@@ -49,6 +49,7 @@ class Health(NamedTuple):
     sticks_lost: bool = False  # there were sticks, and they have become silent
     ground_station_lost: bool = False  # likewise its heartbeat, for COM_DL_LOSS_T
     mission_available: bool = False  # uploaded, and within the fence
+    mission_failed: bool = False  # and no other was uploaded since
     fence_breached: bool = False  # and GF_ACTION is set
     battery: Battery = Battery.FINE
     sensors: SensorHealth = SensorHealth()

@@ -20,9 +20,8 @@ from sitl.autopilot.navigator import Goal
 from sitl.autopilot.parameters import Parameters
 from sitl.clock import SECOND_US
 from sitl.modes import BASE_ARMED, BASE_ATTITUDE, Mode
-from sitl.records import StatusText
+from sitl.records import CRITICAL, INFO, StatusText
 
-CRITICAL, INFO = 2, 6  # MAV_SEVERITY
 FOLLOWING = {
     Action.RETURN: "Return",
     Action.LAND: "Land",

@@ -3,14 +3,14 @@
 import math
 from collections.abc import Callable, Mapping
 
-from sitl.autopilot.commander import CRITICAL, INFO, Commander
+from sitl.autopilot.commander import Commander
 from sitl.autopilot.failure_commands import FailureCommands
 from sitl.autopilot.mission_commands import MissionCommands
 from sitl.autopilot.missions import Missions
 from sitl.autopilot.navigator import Goal, Navigator
 from sitl.frames import ned_from_geodetic
 from sitl.modes import Mode, mode_of
-from sitl.records import Vector3
+from sitl.records import CRITICAL, INFO, Vector3
 from sitl.vehicle_records import Command, CommandResult
 
 # MAV_CMD

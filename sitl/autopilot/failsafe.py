@@ -54,6 +54,7 @@ class Cause(Enum):
     BATTERY = "Critical battery level"
     ESTIMATE = "No valid estimate"
     FENCE = "Geofence violated"
+    MISSION = "Mission failure"
 
 
 class Trigger(NamedTuple):
@@ -188,6 +189,13 @@ def geofence(conditions: Conditions) -> Trigger | None:
     return None if action is None else Trigger(Cause.FENCE, action, stays=True, yields=True)
 
 
+def mission_failure(conditions: Conditions) -> Trigger | None:
+    """Act when a mission that is flown can't go on."""
+    if conditions.intended is not Mode.MISSION or not conditions.health.mission_failed:
+        return None
+    return Trigger(Cause.MISSION, Action.RETURN, waits=True, yields=True)
+
+
 ROWS: tuple[Callable[[Conditions], Trigger | None], ...] = (
     setpoint_loss,
     ground_station_loss,
@@ -195,6 +203,7 @@ ROWS: tuple[Callable[[Conditions], Trigger | None], ...] = (
     battery,
     estimate_loss,
     geofence,
+    mission_failure,
 )
 
 

@@ -7,6 +7,7 @@ import math
 
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.trajectory import TICK_S
+from sitl.clock import SECOND_US
 from sitl.frames import wrap_pi
 
 STEP_RAD = math.radians(5.0)  # assumption: a stream that moves less from one to the next is smooth
@@ -63,7 +64,7 @@ class Facing:
 
     As with PX4's navigator, it waits without MIS_YAW_TMT for the heading, however long that takes.
     With it, only headings that are forced are waited for: those of a LOITER_TIME whose second
-    parameter is above 0. PX4 gives the mission up when that takes too long; here it waits on.
+    parameter is above 0. When that takes longer, the mission has failed.
     """
 
     def __init__(self, parameters: Parameters) -> None:
@@ -72,10 +73,14 @@ class Facing:
     def load(self, parameters: Parameters) -> None:
         """Take limits from the parameters."""
         self._error_rad = math.radians(parameters["MIS_YAW_ERR"])
-        self._waits = parameters["MIS_YAW_TMT"] <= 0.0
+        self._timeout_us = parameters["MIS_YAW_TMT"] * SECOND_US
 
     def accepts(self, wanted_rad: float, yaw_rad: float, *, forced: bool = False) -> bool:
         """Say whether a heading will do; NaN is wanted where any does."""
-        if math.isnan(wanted_rad) or not (self._waits or forced):
+        if math.isnan(wanted_rad) or (self._timeout_us > 0.0 and not forced):
             return True
         return abs(wrap_pi(wanted_rad - yaw_rad)) < self._error_rad
+
+    def gives_up(self, waited_us: int) -> bool:
+        """Say whether a forced heading has been waited for too long."""
+        return 0.0 < self._timeout_us <= waited_us

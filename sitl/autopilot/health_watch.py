@@ -4,9 +4,8 @@ from sitl.autopilot.checks import Battery, Health
 from sitl.autopilot.links import Links
 from sitl.autopilot.offboard import OffboardStream
 from sitl.autopilot.parameters import Parameters
-from sitl.records import Estimate, StatusText
+from sitl.records import WARNING, Estimate, StatusText
 
-WARNING = 4  # MAV_SEVERITY
 BATTERY_TEXTS = {
     Battery.LOW: "Low battery level, return advised",
     Battery.CRITICAL: "Critical battery level, return now",
@@ -43,6 +42,7 @@ class HealthWatch:
         offboard: OffboardStream,
         *,
         mission_available: bool,
+        mission_failed: bool,
         fence_breached: bool,
     ) -> Health:
         """Look at everything once a tick."""
@@ -62,6 +62,7 @@ class HealthWatch:
             takes_sticks and links.sticks.is_lost(time_us),
             links.ground_station.is_lost(time_us),
             mission_available,
+            mission_failed,
             fence_breached,
             self._battery,
             estimate.sensors,

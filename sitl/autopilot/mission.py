@@ -2,8 +2,8 @@
 
 Each item that takes time goes through some of these phases; the others are done at once.
 
-CLIMB --altitude--> TRAVEL --within the radius--> STAY --time--> next item
-                    TRAVEL --above the place of a LAND--> LAND --on the ground--> next item
+CLIMB --altitude--> TRAVEL --within the radius--> TURN --heading--> STAY --time--> next item
+                    TURN, above the place of a LAND --heading--> LAND --on the ground--> next item
 no next item --> END: hold there;  RETURN_TO_LAUNCH --> END, and the mode becomes RTL
 """
 
@@ -19,7 +19,9 @@ from sitl.autopilot.parameters import Parameters
 from sitl.clock import SECOND_US
 from sitl.frames import ned_from_geodetic, wrap_pi, yaw_of
 from sitl.mission_records import MissionItem, Plan
-from sitl.records import Estimate, Vector3
+from sitl.records import CRITICAL, INFO, Estimate, Vector3
+
+Say = Callable[[int, str], None]  # MAV_SEVERITY, text
 
 NAN = math.nan
 ORIGIN: Vector3 = (0.0, 0.0, 0.0)
@@ -33,9 +35,10 @@ class Phase(Enum):
 
     CLIMB = 1
     TRAVEL = 2
-    STAY = 3
-    LAND = 4
-    END = 5
+    TURN = 3
+    STAY = 4
+    LAND = 5
+    END = 6
 
 
 class Leg(NamedTuple):
@@ -50,10 +53,11 @@ class Leg(NamedTuple):
 class MissionFlight:
     """Keeps the current item and its phase."""
 
-    def __init__(self, parameters: Parameters, origin: Vector3, say: Callable[[str], None]) -> None:
+    def __init__(self, parameters: Parameters, origin: Vector3, say: Say) -> None:
         self.index = 0
         self.finished = False
         self.started = False
+        self.failed = False  # until there is another plan
         self.speed_m_s = NAN  # horizontal; NaN: the usual one
         self.reached: list[int] = []  # not yet told
         self._origin = origin  # latitude deg, longitude deg, altitude m of the local frame
@@ -81,7 +85,7 @@ class MissionFlight:
     def take(self, plan: Plan, current: int) -> None:
         """Take a new plan; one that is being flown begins at once."""
         self._plan = plan
-        self.started = False
+        self.started = self.failed = False
         self.set_current(current)
 
     def set_current(self, index: int) -> None:
@@ -95,7 +99,7 @@ class MissionFlight:
         if self.finished and landed:
             self.set_current(0)
         self._wants_return, self.started = False, True
-        self._say("Executing Mission")
+        self._say(INFO, "Executing Mission")
         self._begin(estimate, landed=landed)
 
     def wants_climb(self, estimate: Estimate, *, landed: bool) -> bool:
@@ -104,7 +108,7 @@ class MissionFlight:
             self._begin(estimate, landed=landed)
         if landed and (self._phase is Phase.LAND or self._has_stayed(estimate)):
             self._go_on(estimate, landed=True)
-        return self._phase in (Phase.CLIMB, Phase.TRAVEL)
+        return self._phase in (Phase.CLIMB, Phase.TRAVEL, Phase.TURN)
 
     def update(self, estimate: Estimate) -> Leg:
         """Give the leg to fly at this moment."""
@@ -116,8 +120,9 @@ class MissionFlight:
             self._phase = Phase.TRAVEL
         if self._phase is Phase.TRAVEL and self._has_arrived(estimate):
             self._arrived_us = estimate.time_us
-            lands = self._plan[self.index].command == mission_plan.LAND
-            self._phase = Phase.LAND if lands else Phase.STAY
+            self._phase = Phase.TURN
+        if self._phase is Phase.TURN:
+            self._turn(estimate)
         if self._has_stayed(estimate):
             self._go_on(estimate, landed=False)
         return Leg(
@@ -175,7 +180,7 @@ class MissionFlight:
         if landed or down - self._climb_to > self._altitude_radius:
             self._phase = Phase.CLIMB
             height = self._home_ned[2] - self._climb_to
-            self._say(f"Climb to {height:.1f} meters above home")
+            self._say(INFO, f"Climb to {height:.1f} meters above home")
 
     def _do(self, item: MissionItem, *, landed: bool) -> int:
         """Carry out what takes no time; the index of the item that follows."""
@@ -197,7 +202,17 @@ class MissionFlight:
         if not self._plan:
             self._target = NOWHERE
         if not self._wants_return:
-            self._say(f"Mission finished, {'landed' if landed else 'loitering'}")
+            self._say(INFO, f"Mission finished, {'landed' if landed else 'loitering'}")
+
+    def _turn(self, estimate: Estimate) -> None:
+        """Wait for the heading that is asked for; one that is forced may be late."""
+        item = self._plan[self.index]
+        forced = item.command == mission_plan.LOITER_TIME and item.params[1] > 0.0
+        if self._facing.accepts(self._yaw_rad, yaw_of(estimate.q_ned_frd), forced=forced):
+            self._phase = Phase.LAND if item.command == mission_plan.LAND else Phase.STAY
+        elif not self.failed and self._facing.gives_up(estimate.time_us - self._arrived_us):
+            self.failed = True
+            self._say(CRITICAL, "unable to reach heading within timeout")
 
     def _place_of(self, item: MissionItem, estimate: Estimate) -> Vector3:
         """Local place of an item; where it leaves it open, the place that is held or reached."""
@@ -210,17 +225,14 @@ class MissionFlight:
         return (x, y, z)
 
     def _has_arrived(self, estimate: Estimate) -> bool:
-        """Whether the vehicle is near enough to the place, and faces as asked."""
+        """Whether the vehicle is near enough to the place."""
         item, (x, y, z) = self._plan[self.index], estimate.position_ned
         radius = item.params[1] if item.command == mission_plan.WAYPOINT else NAN
         if not radius > 0.0:
             radius = self._radius
         if math.hypot(self._target[0] - x, self._target[1] - y) > radius:
             return False
-        if abs(self._target[2] - z) > self._altitude_radius:
-            return False
-        forced = item.command == mission_plan.LOITER_TIME and item.params[1] > 0.0
-        return self._facing.accepts(self._yaw_rad, yaw_of(estimate.q_ned_frd), forced=forced)
+        return abs(self._target[2] - z) <= self._altitude_radius
 
     def _has_stayed(self, estimate: Estimate) -> bool:
         if self._phase is not Phase.STAY:

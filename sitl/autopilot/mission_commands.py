@@ -3,11 +3,12 @@
 from collections.abc import Callable, Mapping
 from math import isnan
 
-from sitl.autopilot.commander import CRITICAL, Commander
+from sitl.autopilot.commander import Commander
 from sitl.autopilot.missions import Missions
 from sitl.autopilot.navigator import Navigator
 from sitl.mission_records import PlanKind
 from sitl.modes import Mode
+from sitl.records import CRITICAL
 from sitl.vehicle_records import Command
 
 # MAV_CMD

@@ -3,7 +3,7 @@
 import math
 
 from sitl.autopilot import rally
-from sitl.autopilot.commander import CRITICAL, INFO, Commander
+from sitl.autopilot.commander import Commander
 from sitl.autopilot.geofence import Geofence
 from sitl.autopilot.mission import MissionFlight
 from sitl.autopilot.mission_plan import PLACES, RELATIVE_FRAMES, check_item, check_plan
@@ -18,7 +18,7 @@ from sitl.mission_records import (
     PlanKind,
 )
 from sitl.modes import Mode
-from sitl.records import Vector3
+from sitl.records import CRITICAL, Vector3
 
 SETTLING_US = 100_000  # PX4 was seen to refuse a start within some 100 ms of the upload in flight
 ORIGIN: Vector3 = (0.0, 0.0, 0.0)
@@ -28,7 +28,7 @@ class Missions:
     """Keeps the three lists, and whether the mission can be flown."""
 
     def __init__(self, parameters: Parameters, commander: Commander, origin: Vector3) -> None:
-        self.flight = MissionFlight(parameters, origin, lambda text: commander.say(INFO, text))
+        self.flight = MissionFlight(parameters, origin, commander.say)
         self.fence = Geofence(parameters, origin)
         self._may_be_flown = False  # there is a mission, and the fence permits it
         self._time_us = self._uploaded_us = 0

@@ -2,13 +2,13 @@
 
 import math
 
-from sitl.autopilot.commander import INFO, Commander
+from sitl.autopilot.commander import Commander
 from sitl.autopilot.home import Home
 from sitl.autopilot.missions import Missions
 from sitl.autopilot.navigator import Goal, Navigator
 from sitl.autopilot.parameters import Parameters
 from sitl.modes import Mode
-from sitl.records import Estimate, Vector3
+from sitl.records import INFO, Estimate, Vector3
 
 
 class ModeEntry:

@@ -3,9 +3,10 @@
 import math
 
 from sitl.autopilot.checks import can_run
-from sitl.autopilot.commander import INFO, Commander
+from sitl.autopilot.commander import Commander
 from sitl.autopilot.parameters import Parameters
 from sitl.modes import Mode
+from sitl.records import INFO
 from sitl.vehicle_records import Sticks
 
 IN_AUTO, IN_OFFBOARD = 1, 2  # bits of COM_RC_OVERRIDE

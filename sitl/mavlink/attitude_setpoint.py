@@ -3,10 +3,9 @@
 import math
 
 from sitl.mavlink.dialect import Message
-from sitl.records import Quaternion, StatusText, Vector3
+from sitl.records import CRITICAL, Quaternion, StatusText, Vector3
 from sitl.vehicle_records import AttitudeTarget
 
-CRITICAL = 2  # MAV_SEVERITY
 RATES_IGNORED = (1, 2, 4)  # ATTITUDE_TARGET_TYPEMASK: roll, pitch, yaw rate
 THRUST_IGNORED, ATTITUDE_IGNORED = 64, 128
 RATE_MAX_RAD_S = 100.0  # beyond it a rate is taken as missing

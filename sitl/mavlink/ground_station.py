@@ -4,9 +4,8 @@ never heard --heartbeat--> connected <--heartbeat-- lost
                                `---timeout, vehicle time---^
 """
 
-from sitl.records import StatusText
+from sitl.records import INFO, StatusText
 
-INFO = 6  # MAV_SEVERITY
 LOST = StatusText(severity=INFO, text="Connection to ground station lost")
 REGAINED = StatusText(severity=INFO, text="GCS connection regained")
 

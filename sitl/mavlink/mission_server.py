@@ -13,9 +13,8 @@ from sitl.mavlink.mission_transfer import Download, Upload
 from sitl.mavlink.request import Outlet, Request
 from sitl.mavlink.vehicle import Vehicle
 from sitl.mission_records import MissionResult, PlanKind
-from sitl.records import StatusText
+from sitl.records import CRITICAL, StatusText
 
-CRITICAL = 2  # MAV_SEVERITY
 MAX_ITEMS = {PlanKind.MISSION: 1000, PlanKind.FENCE: 128, PlanKind.RALLY: 32}
 
 

@@ -18,9 +18,17 @@ from sitl.mavlink.request import Request
 from sitl.mavlink.texts import statustexts
 from sitl.mavlink.vehicle import Vehicle
 from sitl.modes import Mode
-from sitl.records import CourseEvent, CourseEventKind, CourseState, CourseStatus, Gate
+from sitl.records import (
+    INFO,
+    NOTICE,
+    WARNING,
+    CourseEvent,
+    CourseEventKind,
+    CourseState,
+    CourseStatus,
+    Gate,
+)
 
-WARNING, NOTICE, INFO = 4, 5, 6  # MAV_SEVERITY
 SEVERITIES = {
     CourseEventKind.PASSED: INFO,
     CourseEventKind.FINISHED: NOTICE,

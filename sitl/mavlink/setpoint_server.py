@@ -13,10 +13,9 @@ from sitl.mavlink.attitude_setpoint import interpret_attitude
 from sitl.mavlink.dialect import Message, mavlink
 from sitl.mavlink.manual_control import interpret_sticks
 from sitl.mavlink.vehicle import Vehicle
-from sitl.records import StatusText, Vector3
+from sitl.records import CRITICAL, StatusText, Vector3
 from sitl.vehicle_records import NAN_VECTOR, OffboardSetpoint
 
-CRITICAL = 2  # MAV_SEVERITY
 ABSURD = 1e6  # m, m/s, m/s2, rad: beyond it a number is taken as missing
 VELOCITY_BIT, ACCELERATION_BIT = 3, 6  # where each triple begins in the type mask
 YAW_IGNORED, YAW_RATE_IGNORED = 1 << 10, 1 << 11

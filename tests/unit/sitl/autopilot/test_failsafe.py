@@ -156,6 +156,13 @@ def test_leaving_the_fence_does_what_the_parameter_says_at_once(number, action):
     assert geofence(conditions(fence=number)) is None
 
 
+def test_a_mission_that_failed_leads_home_while_it_is_flown():
+    failed = conditions(Mode.MISSION, mission_failed=True)
+    assert at_once(failed) == Decision(Mode.HOLD, Cause.MISSION, Action.RETURN)
+    assert after(failed, HOLD_US) == Decision(Mode.RTL, Cause.MISSION)
+    assert at_once(conditions(Mode.HOLD, mission_failed=True)) == Decision(Mode.HOLD)
+
+
 @pytest.mark.parametrize(
     ("mode", "lost", "action"),
     [

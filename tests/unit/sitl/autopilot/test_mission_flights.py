@@ -281,3 +281,25 @@ def test_how_long_it_waits_for_a_heading(
     run.upload(place(command, 0.0, 0.0, 6.0, 0.0, required, NAN, 90.0))
     run.go()
     assert least_s <= run.run_until_reached(0, timeout_s=8.0) < most_s
+
+
+def test_a_forced_heading_that_comes_too_late_fails_the_mission(run: MissionRun) -> None:
+    """PX4 says so, holds for COM_FAIL_ACT_T and returns, until there is another mission."""
+    run.flight.parameters.set("MIS_YAW_TMT", 2.0)  # 90 deg at 20 deg/s2 take more than 3 s
+    run.in_air()
+    item = place(LOITER_TIME, 0.0, 0.0, 6.0, 10.0, 1.0, NAN, 90.0)
+    run.upload(item)
+    run.go()
+    run.flight.run(1.9)
+    assert run.mode is Mode.MISSION
+    run.flight.run(0.2)
+    assert "2:unable to reach heading within timeout" in run.flight.said
+    assert run.mode is Mode.HOLD
+    run.flight.run(4.8)
+    assert run.mode is Mode.HOLD
+    run.flight.run(0.2)
+    assert run.mode is Mode.RTL
+    assert run.items == []
+    run.upload(item)
+    run.step()
+    assert run.mode is Mode.MISSION
