@@ -71,6 +71,9 @@ class Companion:
         raw = frame(pack(message), sequence=0, system=1, component=191)
         self.udp.sendto(raw, self.vehicle)
 
+    def command(self, number: int) -> None:
+        self.send(mavlink.MAVLink_command_long_message(1, 1, number, 0, *[0.0] * 7))
+
     def answer(self, time_us: int) -> None:
         self.send(
             mavlink.MAVLink_set_position_target_local_ned_message(
@@ -127,6 +130,18 @@ class Bench:
                 self.server.stop()
 
         self.simulation.ticked = check
+
+    def note_commands(self) -> list[tuple[int, int]]:
+        """Note from now on when which command is handled: time in us, its number."""
+        handled: list[tuple[int, int]] = []
+        command = self.simulation.autopilot.command
+
+        def note(asked: Any) -> Any:
+            handled.append((self.simulation.time_us, asked.command))
+            return command(asked)
+
+        self.simulation.autopilot.command = note  # type: ignore[method-assign]
+        return handled
 
     def received(self) -> list[Any]:
         return [item.message for item in self.arrived()]

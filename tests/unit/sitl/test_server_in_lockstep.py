@@ -1,7 +1,6 @@
 """The loop around a simulation in lockstep: what it reads when, and when time passes."""
 
 from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -39,25 +38,14 @@ def test_lockstep_reads_nothing_between_an_answer_and_the_next_frame(
 ) -> None:
     bench = make_bench(lockstep=True)
     companion = Companion(bench.stream, bench.link, bench.udp)
-    handled: list[tuple[int, int]] = []
-    command = bench.simulation.autopilot.command
-
-    def note(asked: Any) -> Any:
-        handled.append((bench.simulation.time_us, asked.command))
-        return command(asked)
-
-    bench.simulation.autopilot.command = note  # type: ignore[method-assign]
+    handled = bench.note_commands()
     publish = bench.stream.publish
 
     def look(image: Frame) -> None:
         publish(image)
-        companion.send(
-            mavlink.MAVLink_command_long_message(1, 1, 1000 + image.sequence, 0, *[0.0] * 7)
-        )
+        companion.command(1000 + image.sequence)
         companion.answer(image.time_us)
-        companion.send(
-            mavlink.MAVLink_command_long_message(1, 1, 2000 + image.sequence, 0, *[0.0] * 7)
-        )
+        companion.command(2000 + image.sequence)
 
     bench.stream.publish = look  # type: ignore[method-assign]
     bench.stop_at(200_000)
@@ -86,22 +74,15 @@ def test_lockstep_listens_where_frames_stay_out(
     """A camera that fails must not make the vehicle deaf: it could never be told to land."""
     bench = make_bench(lockstep=True, speed_factor=speed_factor)
     companion = Companion(bench.stream, bench.link, bench.udp)
-    handled: list[int] = []
-    command = bench.simulation.autopilot.command
-
-    def note(asked: Any) -> Any:
-        handled.append(bench.simulation.time_us)
-        return command(asked)
-
-    bench.simulation.autopilot.command = note  # type: ignore[method-assign]
+    handled = bench.note_commands()
     companion.answer(0)
-    companion.send(mavlink.MAVLink_command_long_message(1, 1, 1000, 0, *[0.0] * 7))
+    companion.command(1000)
     bench.simulation.frame_due = lambda: bench.simulation.time_us == 0  # type: ignore[method-assign]
     bench.stop_at(2 * SECOND_US)
     bench.server.run()
     companion.tcp.close()
     assert len(handled) == 1
-    assert 1.5 * SECOND_US < handled[0] < 1.7 * SECOND_US
+    assert 1.5 * SECOND_US < handled[0][0] < 1.7 * SECOND_US
 
 
 def test_lockstep_reads_nothing_while_frames_stay_out_for_a_moment(
@@ -110,16 +91,9 @@ def test_lockstep_reads_nothing_while_frames_stay_out_for_a_moment(
     """A camera that fails intermittently is gone for a second, and a frame's time about it."""
     bench = make_bench(lockstep=True)
     companion = Companion(bench.stream, bench.link, bench.udp)
-    handled: list[int] = []
-    command = bench.simulation.autopilot.command
-
-    def note(asked: Any) -> Any:
-        handled.append(bench.simulation.time_us)
-        return command(asked)
-
-    bench.simulation.autopilot.command = note  # type: ignore[method-assign]
+    handled = bench.note_commands()
     companion.answer(0)
-    companion.send(mavlink.MAVLink_command_long_message(1, 1, 1000, 0, *[0.0] * 7))
+    companion.command(1000)
     due = iter((0, 1_052_000))
     next_us = next(due)
 
@@ -140,7 +114,7 @@ def test_lockstep_reads_nothing_while_frames_stay_out_for_a_moment(
     bench.server._stand = last_stand  # type: ignore[method-assign]
     bench.server.run()
     companion.tcp.close()
-    assert handled == [1_052_000]
+    assert handled == [(1_052_000, 1000)]
 
 
 def test_lockstep_runs_free_when_the_viewer_leaves(make_bench: Callable[..., Bench]) -> None:
