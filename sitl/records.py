@@ -5,6 +5,7 @@ Quaternions are (w, x, y, z), Hamilton; `q_ned_frd` rotates an FRD vector into N
 SI units and radians throughout; times are integer microseconds of vehicle time since boot.
 """
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import NamedTuple
@@ -80,6 +81,7 @@ class Estimate(NamedTuple):
     battery: float = 1.0  # charge left, 0..1
     accuracy_m: tuple[float, float] = (0.0, 0.0)  # standard deviation, horizontal and vertical
     settled: bool = True  # long enough after boot to take off by it
+    z_deriv_m_s: float = math.nan  # rate of the estimated position, down; NaN: that is the velocity
 
 
 NO_ESTIMATE = Estimate(

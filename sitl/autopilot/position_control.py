@@ -58,6 +58,7 @@ class PositionControl:
         self._speed_max = p["MPC_XY_VEL_MAX"]
         self._hover.load(parameters)
         self._thrust_max = p["MPC_THR_MAX"]
+        self._land_speed = p["MPC_LAND_SPEED"]
         self._xy_margin = p["MPC_THR_XY_MARG"]
         self._derivative_cutoff_hz = p["MPC_VELD_LP"]
 
@@ -88,10 +89,11 @@ class PositionControl:
         self._derivative_gain = low_pass_gain(self._derivative_cutoff_hz, dt_s)
         self._differentiate(estimate.velocity_ned, dt_s)
         velocity = self._velocity(estimate.position_ned, setpoint, limits)
-        acceleration = self._acceleration_for(estimate.velocity_ned, velocity, setpoint)
+        present = self._present_velocity(estimate, setpoint)
+        acceleration = self._acceleration_for(present, velocity, setpoint)
         thrust_ned, collective = self._thrust_for(acceleration, limits)
         self._thrust_down += self._derivative_gain * (thrust_ned[2] - self._thrust_down)
-        self._integrate(estimate.velocity_ned, velocity, acceleration, thrust_ned, limits, dt_s)
+        self._integrate(present, velocity, acceleration, thrust_ned, limits, dt_s)
         yaw, yaw_rate = setpoint.yaw_rad, setpoint.yaw_rate_rad_s
         if isnan(yaw):  # no heading asked: keep the present one
             yaw = yaw_of(estimate.q_ned_frd)
@@ -116,6 +118,19 @@ class PositionControl:
             y + gain * ((velocity[1] - previous[1]) / dt_s - y),
             z + gain * ((velocity[2] - previous[2]) / dt_s - z),
         )
+
+    def _present_velocity(self, estimate: Estimate, setpoint: Setpoint) -> Vector3:
+        """Give the velocity to control.
+
+        As in PX4 a climb or descent that is asked for by velocity alone is held against the rate of
+        the estimated position, which has less bias, blended in up to MPC_LAND_SPEED.
+        """
+        vx, vy, vz = estimate.velocity_ned
+        rate, wanted = estimate.z_deriv_m_s, setpoint.velocity_ned[2]
+        if isnan(rate) or isnan(wanted) or not isnan(setpoint.position_ned[2]):
+            return estimate.velocity_ned
+        weight = min(abs(wanted) / self._land_speed, 1.0)
+        return (vx, vy, weight * rate + (1.0 - weight) * vz)
 
     def _velocity(self, position: Vector3, setpoint: Setpoint, limits: Limits) -> Vector3:
         """Position P controller plus the velocity asked for; NaN where neither is given."""

@@ -5,6 +5,8 @@ a failed sensor does to a filter is done to them. The flags become true a fixed 
 they do while a filter aligns itself, and false once an aid has been missing for too long.
 """
 
+import math
+
 import numpy as np
 
 from sitl.clock import SECOND_US
@@ -82,8 +84,9 @@ class Estimator:
         self._located = flags[1] or state.time_us < self._validity.position_us
         seen, sensed = self._previous or (state, readings)
         self._previous = (state, readings)
-        if self._shaken is not None:
-            self._shake(self._shaken, seen, sensed)
+        shaken = self._shaken
+        if shaken is not None:
+            self._shake(shaken, seen, sensed)
         drift.advance(
             xy_aided=sensors.gps,
             z_aided=sensors.gps or sensors.barometer,
@@ -101,6 +104,7 @@ class Estimator:
             readings.battery,
             drift.aided_m if sensors.gps else self._validity.accuracy_m(state.time_us),
             self._validity.is_settled(state.time_us),
+            math.nan if shaken is None else seen.velocity_ned[2] + shaken.z_deriv_m_s,
         )
 
     def _shake(self, drift: ShakenDrift, seen: VehicleState, sensed: Readings) -> None:

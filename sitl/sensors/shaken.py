@@ -50,6 +50,7 @@ class ShakenDrift(Drift):
         """Take a share, 0 to 1, of the noise into the estimate."""
         self._share = share
         self._specific_force_ned = self._rates_ned = ZERO
+        self.z_deriv_m_s = 0.0  # how fast the position's error grows, down
         super().__init__(noise)
         self.restart()
         horizontal, vertical = POSITION_STD_M
@@ -113,11 +114,13 @@ class ShakenDrift(Drift):
 
     def _advance_z(self, *, aided: bool) -> None:
         z, vz, down = self._z, self._vz, self._specific_force_ned[2]
+        self.z_deriv_m_s = vz
         if not aided:
             self._z, self._vz = z + TICK_S * vz, vz + TICK_S * down
             return
         by_v, by_z = Z_POSITION
-        self._z = z + TICK_S * (vz - by_v * vz - by_z * z)
+        self.z_deriv_m_s -= by_v * vz + by_z * z
+        self._z = z + TICK_S * self.z_deriv_m_s
         by_v, by_z = Z_VELOCITY
         self._vz = vz + TICK_S * (down - by_v * vz - by_z * z)
 

@@ -13,7 +13,7 @@ ZERO = (0.0, 0.0, 0.0)
 NAN = math.nan
 
 
-def estimate(position=ZERO, velocity=ZERO, yaw_rad=0.0) -> Estimate:
+def estimate(position=ZERO, velocity=ZERO, yaw_rad=0.0, z_deriv_m_s=NAN) -> Estimate:
     return Estimate(
         time_us=0,
         position_ned=position,
@@ -24,6 +24,7 @@ def estimate(position=ZERO, velocity=ZERO, yaw_rad=0.0) -> Estimate:
         attitude_valid=True,
         position_valid=True,
         altitude_valid=True,
+        z_deriv_m_s=z_deriv_m_s,
     )
 
 
@@ -53,6 +54,26 @@ def test_thrust_points_where_the_acceleration_leads(control, yaw_rad):
 def test_position_error_becomes_velocity(control):
     asked = ask(control, Setpoint(position_ned=(1.0, 0.0, -1.0)))
     assert asked.velocity_ned == pytest.approx((0.95, 0.0, -1.0))
+
+
+@pytest.mark.parametrize(
+    ("wanted", "z_deriv_m_s", "held_m_s"),
+    [
+        (-1.0, 0.3, 0.3),
+        (0.35, 0.3, 0.2),  # half of MPC_LAND_SPEED: half of each
+        (0.0, 0.3, 0.1),
+        (1.0, NAN, 0.1),
+    ],
+)
+def test_a_climb_by_velocity_is_held_against_the_rate_of_the_position(
+    control, wanted, z_deriv_m_s, held_m_s
+):
+    state = {"velocity": (0.0, 0.0, 0.1), "z_deriv_m_s": z_deriv_m_s}
+    asked = ask(control, Setpoint(velocity_ned=(0.0, 0.0, wanted)), **state)
+    assert asked.acceleration_ned[2] == pytest.approx(4.0 * (wanted - held_m_s))
+    with_height = Setpoint(position_ned=(NAN, NAN, 0.0), velocity_ned=(0.0, 0.0, wanted))
+    asked = ask(PositionControl(Parameters()), with_height, **state)
+    assert asked.acceleration_ned[2] == pytest.approx(4.0 * (wanted - 0.1))
 
 
 def test_velocity_is_added_to_what_position_asks(control):

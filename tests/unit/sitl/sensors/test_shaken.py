@@ -120,6 +120,16 @@ def test_errors_are_as_large_as_is_told() -> None:
     assert velocity[2] == pytest.approx(shaken.VELOCITY_STD_M_S[1], rel=five_sigma)
 
 
+@pytest.mark.parametrize("aids", [AIDED, {**AIDED, "z_aided": False}])
+def test_its_vertical_derivative_is_that_of_its_height(aids: dict[str, bool]) -> None:
+    drift = make()
+    for _ in range(5):
+        before = drift.position_ned[2]
+        drift.feel(*MISREAD)
+        drift.advance(**aids)
+        assert drift.z_deriv_m_s * TICK_S == pytest.approx(drift.position_ned[2] - before)
+
+
 @pytest.mark.parametrize("figure", ["position_ned", "velocity_ned"])
 def test_half_the_share_is_half_the_error(figure: str) -> None:
     whole, half = make(share=1.0), make(share=0.5)
