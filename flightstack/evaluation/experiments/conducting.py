@@ -7,6 +7,7 @@ from rich.console import Console
 from rich.markdown import Markdown
 
 from flightstack.errors import UsageError
+from flightstack.evaluation.experiments.brought_code import code_of
 from flightstack.evaluation.experiments.experiment import Experiment
 from flightstack.evaluation.experiments.flying import fly, models_of
 from flightstack.evaluation.experiments.folder import ROWS, Folder
@@ -56,5 +57,5 @@ def _rows(experiment: Experiment, options: argparse.Namespace) -> list[TrialRow]
             raise UsageError(f"{options.out / ROWS} is of a {rows[0].experiment}")
         return rows
     jobs = jobs_of(options)
-    folder = Folder(options.out, experiment, models_of(experiment))
+    folder = Folder(options.out, experiment, models_of(experiment), code_of(experiment))
     return fly(experiment, folder, jobs=jobs, backend=options.backend, keep_logs=options.keep_logs)

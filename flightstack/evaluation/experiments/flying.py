@@ -52,6 +52,7 @@ def fly(
     version = commit()
     dead: list[Flown] = []
     with folder.locked(), Progress(len(folder.missing), len(folder.rows)) as progress:
+        _tell_other_commits(folder.rows, version, progress)
         for _ in range(WORKER_DEATHS):
             given_up = {flown.trial.key for flown in dead}
             trials = [trial for trial in folder.missing if trial.key not in given_up]
@@ -73,6 +74,12 @@ def fly(
             f"(see {folder.path / 'times.csv'}): run the same command again"
         )
     return folder.rows
+
+
+def _tell_other_commits(standing: Iterable[TrialRow], today: str, progress: Progress) -> None:
+    others = sorted({row.commit for row in standing} - {today})
+    if others:
+        progress.say(f"those that stand were flown by commit {', '.join(others)}, not by {today}")
 
 
 def _in_parallel(

@@ -11,7 +11,7 @@ import csv
 import fcntl
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -24,22 +24,33 @@ from flightstack.evaluation.flights.flight import Flown
 ASKED, ROWS, TIMES = "experiment.json", "trials.csv", "times.csv"
 TRACES, LOGS = "traces", "logs"
 CALIBRATION = "calibration"  # an experiment of its own, which some are laid out by
+NO_CODE: Mapping[str, str] = {}
+NOTHING_BROUGHT: dict[str, object] = {"code": {}}  # what a folder says that was made before it was asked
 TIME_COLUMNS = ("trial", "wall_s", "flight_s", "simulated_s", "deaths")
 
 
 class Folder:
     """An experiment's folder, ready to take rows."""
 
-    def __init__(self, path: Path, experiment: Experiment, models: dict[str, str]) -> None:
+    def __init__(
+        self,
+        path: Path,
+        experiment: Experiment,
+        models: Mapping[str, str],
+        code: Mapping[str, str] = NO_CODE,
+    ) -> None:
         """Take it up where an earlier command left it.
 
         Raises UsageError where it holds anything but this experiment, by the same models
-        (`models`: the SHA-256 of each one's configuration, which holds that of its weights);
-        nothing is written then.
+        (`models`: the SHA-256 of each one's configuration, which holds that of its weights) and
+        the same code of others (`code`: the SHA-256 of each brought part's source); nothing is
+        written then.
         """
         self.path = path
         self._experiment = experiment
-        asked = json.loads(json.dumps({**experiment.as_table(), "models": models}))
+        asked = json.loads(
+            json.dumps({**experiment.as_table(), "models": dict(models), "code": dict(code)})
+        )
         if (path / ASKED).exists():
             _check_same(path, asked)
         elif path.exists():
@@ -140,9 +151,9 @@ def _check_same(path: Path, asked: dict[str, Any]) -> None:
         held = json.loads((path / ASKED).read_text())
     except (OSError, ValueError) as error:
         raise UsageError(f"{path / ASKED} cannot be read: choose another --out") from error
-    if held == asked:
+    known = NOTHING_BROUGHT | held if isinstance(held, dict) else {}
+    if known == asked:
         return
-    known = held if isinstance(held, dict) else {}
     differing = ", ".join(key for key in asked if known.get(key) != asked[key])
     raise UsageError(
         f"{path} holds another experiment (other {differing or 'fields'}): choose another --out"

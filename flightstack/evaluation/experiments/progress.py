@@ -44,7 +44,7 @@ class Progress:
             speed_estimate_period=WINDOW_S,
         )
         self._task = self._bar.add_task("trials", total=total)
-        if flown_before and total:
+        if flown_before:
             self.say(f"{flown_before} trials stand already, {total} are to be flown")
 
     def __enter__(self) -> Self:

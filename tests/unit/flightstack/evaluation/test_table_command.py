@@ -4,7 +4,11 @@ from pathlib import Path
 import pytest
 
 from flightstack.evaluation.cli import main
+from flightstack.evaluation.experiments.experiment import Experiment
+from flightstack.evaluation.experiments.flying import models_of
+from flightstack.evaluation.experiments.folder import Folder
 from flightstack.evaluation.experiments.rows import header_line, to_line
+from flightstack.evaluation.results import paper
 from flightstack.models import PACKAGE
 from tests.unit.flightstack.evaluation.made_rows import ONE, made_row
 
@@ -51,6 +55,25 @@ def test_missing_weights_are_told(
     assert main([*STRONG, f"--out={tmp_path / 'out'}"]) == 4
     assert "weights.safetensors cannot be read: No such file" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_what_stands_is_told_and_who_flew_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = Experiment(
+        name="table",
+        rows=paper.rows("strong", ("m0-mean",)),
+        conditions=(paper.level("1"),),
+        track_seeds=(1000, 1001),
+        trials=1,
+    )
+    folder = Folder(tmp_path, asked, models_of(asked))
+    rows = [made_row(4), made_row(9, track=1001)]
+    (folder.path / "trials.csv").write_text(header_line() + "".join(map(to_line, rows)))
+    assert main([*STRONG, "--levels=1", f"--out={tmp_path}"]) == 0
+    said = capsys.readouterr().err
+    assert "2 trials stand already, 0 are to be flown\n" in said
+    assert f"those that stand were flown by commit {ONE.commit}, not by " in said
 
 
 def test_results_are_made_anew_from_rows_alone(

@@ -98,6 +98,21 @@ def test_refuses_the_folder_of_another_experiment(
     assert before == {p.name: p.read_bytes() for p in tmp_path.iterdir() if p.is_file()}
 
 
+def test_refuses_the_folder_of_other_code(tmp_path: Path) -> None:
+    Folder(tmp_path, experiment(), MODELS, {"mine:Good": "ab"})
+    Folder(tmp_path, experiment(), MODELS, {"mine:Good": "ab"})
+    with pytest.raises(UsageError, match="holds another experiment \\(other code\\)"):
+        Folder(tmp_path, experiment(), MODELS, {"mine:Good": "cd"})
+
+
+def test_takes_up_a_folder_that_was_made_before_code_was_asked(tmp_path: Path) -> None:
+    Folder(tmp_path, experiment(), MODELS)
+    asked = json.loads((tmp_path / "experiment.json").read_text())
+    del asked["code"]
+    (tmp_path / "experiment.json").write_text(json.dumps(asked))
+    Folder(tmp_path, experiment(), MODELS)
+
+
 def test_refuses_a_folder_of_other_things(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("mine")
     with pytest.raises(UsageError, match="not empty and holds no experiment"):
