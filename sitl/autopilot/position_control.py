@@ -169,7 +169,7 @@ class PositionControl:
         # Height first, but a margin stays for the horizontal axes.
         horizontal = math.hypot(tx, ty)
         kept = min(horizontal, self._xy_margin)
-        down = max(down, -math.sqrt(self._thrust_max**2 - kept * kept))
+        down = max(down, -math.sqrt(max(self._thrust_max**2 - kept * kept, 0.0)))
         room = math.sqrt(max(self._thrust_max**2 - down * down, 0.0))
         if horizontal > room:
             tx, ty = tx * room / horizontal, ty * room / horizontal
@@ -213,6 +213,8 @@ def _attitude(thrust_ned: Vector3, yaw_rad: float) -> Quaternion:
     """Attitude whose -z axis lies along the thrust and whose heading is the yaw."""
     x, y, z = thrust_ned
     norm = math.sqrt(x * x + y * y + z * z)
+    if norm == 0.0:  # no thrust is allowed at all: level
+        return quaternion_from_euler(0.0, 0.0, yaw_rad)
     cos_yaw, sin_yaw = math.cos(yaw_rad), math.sin(yaw_rad)
     forward, right = (x * cos_yaw + y * sin_yaw) / norm, (y * cos_yaw - x * sin_yaw) / norm
     return quaternion_from_euler(math.asin(right), math.atan2(-forward, -z / norm), yaw_rad)
@@ -242,6 +244,8 @@ def _add_limited(
     sx, sy = _or_zero(second[0]), _or_zero(second[1])
     first_norm, second_norm = math.hypot(fx, fy), math.hypot(sx, sy)
     if first_norm >= limit:
+        if limit == 0.0:
+            return (0.0, 0.0)
         return (fx * limit / first_norm, fy * limit / first_norm)
     # How far along the second vector the limit is reached.
     ux, uy = sx / second_norm, sy / second_norm
