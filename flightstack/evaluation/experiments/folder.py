@@ -25,7 +25,9 @@ ASKED, ROWS, TIMES = "experiment.json", "trials.csv", "times.csv"
 TRACES, LOGS = "traces", "logs"
 CALIBRATION = "calibration"  # an experiment of its own, which some are laid out by
 NO_CODE: Mapping[str, str] = {}
-NOTHING_BROUGHT: dict[str, object] = {"code": {}}  # what a folder says that was made before it was asked
+NOTHING_BROUGHT: dict[str, object] = {
+    "code": {}
+}  # what a folder says that was made before it was asked
 TIME_COLUMNS = ("trial", "wall_s", "flight_s", "simulated_s", "deaths")
 
 
