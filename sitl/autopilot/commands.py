@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from sitl.autopilot.commander import Commander
 from sitl.autopilot.failure_commands import FailureCommands
 from sitl.autopilot.mission_commands import MissionCommands
+from sitl.autopilot.mission_plan import ALTITUDE_MAX_M, LATITUDE_MAX_DEG, LONGITUDE_MAX_DEG
 from sitl.autopilot.missions import Missions
 from sitl.autopilot.navigator import Goal, Navigator
 from sitl.frames import ned_from_geodetic
@@ -25,7 +26,6 @@ FORCE = 21196.0  # COMPONENT_ARM_DISARM.param2
 CUSTOM_MODE = 1  # MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 CHANGE_MODE = 1  # MAV_DO_REPOSITION_FLAGS_CHANGE_MODE
 RELATIVE_FRAMES = {3, 6}  # MAV_FRAME_GLOBAL_RELATIVE_ALT, and its _INT twin
-LATITUDE_MAX_DEG, LONGITUDE_MAX_DEG = 90.0, 180.0
 NAN = math.nan
 
 Handler = Callable[[Command], int | None]
@@ -102,8 +102,7 @@ class Commands:
     def _reposition(self, command: Command) -> int:
         if not _whole(command.params[1]) & CHANGE_MODE:
             return UNSUPPORTED
-        latitude, longitude = command.params[4:6]
-        if abs(latitude) > LATITUDE_MAX_DEG or abs(longitude) > LONGITUDE_MAX_DEG:
+        if _is_beyond_earth(command):
             return DENIED
         place = self._place(command)
         if not self._missions.permits(place):
@@ -122,7 +121,7 @@ class Commands:
     def _set_home(self, command: Command) -> int:
         here = command.params[0] == 1.0
         place = (NAN, NAN, NAN) if here else self._place(command)
-        if not here and any(math.isnan(number) for number in place):
+        if not here and (_is_beyond_earth(command) or any(math.isnan(number) for number in place)):
             return DENIED
         self.home_request = place
         return ACCEPTED
@@ -136,6 +135,16 @@ class Commands:
         if math.isnan(x) or math.isnan(y):  # half a place is none
             x = y = NAN
         return (x, y, z)
+
+
+def _is_beyond_earth(command: Command) -> bool:
+    """Whether latitude, longitude or altitude can't be; what is not given can."""
+    return any(
+        abs(number) > limit
+        for number, limit in zip(
+            command.params[4:], (LATITUDE_MAX_DEG, LONGITUDE_MAX_DEG, ALTITUDE_MAX_M), strict=True
+        )
+    )
 
 
 def _whole(value: float) -> int:

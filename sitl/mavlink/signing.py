@@ -5,7 +5,8 @@ of SHA-256 over key, frame, link id and stamp. A frame is judged in this order: 
 signature itself, in constant time; then its stamp. Nothing is remembered of a frame that fails,
 so a forged one cannot push a stream's stamp ahead. The table of streams is bounded: a stream that
 has been silent for longer than `TOLERANCE` may be forgotten, since its old frames are then too
-old to be taken for a new stream's.
+old to be taken for a new stream's. What was signed before the start is too old as well: nothing is
+known of the streams of an earlier process, whose frames may come again.
 """
 
 import hashlib
@@ -62,6 +63,7 @@ class Signing:
         """Start with a key or without; `clock` gives stamps, `keep` stores a new key."""
         self._key = key
         self._clock = clock or make_clock()
+        self._start = self._clock()
         self._keep = keep
         self._ahead = 0  # of the clock, as SETUP_SIGNING may ask for
         self._last_sent = 0
@@ -108,7 +110,7 @@ class Signing:
         if last is not None and stamp <= last:
             return Refusal.REPLAYED
         if last is None:
-            if stamp < now - TOLERANCE:
+            if stamp < max(now - TOLERANCE, self._start):
                 return Refusal.STALE
             if not self._has_room(now):
                 return Refusal.CROWDED

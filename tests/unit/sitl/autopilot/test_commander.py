@@ -216,6 +216,14 @@ def test_home_is_where_it_was_armed_or_where_it_was_put(ready):
     assert ready.autopilot.status.home_ned == pytest.approx(ready.estimate.position_ned, abs=1e-3)
 
 
+@pytest.mark.parametrize("place", [(91.0, 8.5, 490.0), (47.4, 400.0, 490.0), (47.4, 8.5, 1e38)])
+def test_home_is_nowhere_but_on_earth(ready, place):
+    before = ready.autopilot.status.home_ned
+    assert ready.command(179, 0.0, 0.0, 0.0, 0.0, *place) == DENIED
+    ready.run(0.1)
+    assert ready.autopilot.status.home_ned == before
+
+
 def test_idle_setpoint_is_what_px4_shows_on_the_ground(ready):
     echo = ready.autopilot.setpoint_echo
     assert echo.type_mask == 63

@@ -51,8 +51,12 @@ class Client:
 
 
 def make_signing(key: bytes | None = KEY) -> tuple[Signing, Clock]:
+    """Begin an hour ago."""
     clock = Clock()
-    return Signing(key, clock=clock), clock
+    clock.now = NOW - 60 * TOLERANCE
+    signing = Signing(key, clock=clock)
+    clock.now = NOW
+    return signing, clock
 
 
 def unsigned(message: Any = COMMAND) -> Received:
@@ -190,6 +194,13 @@ def test_streams_do_not_mix() -> None:
 def test_a_new_stream_may_be_a_minute_off(stamp: int, refusal: Refusal | None) -> None:
     signing, _ = make_signing()
     assert signing.judge(Client(stamp=stamp).pack()) is refusal
+
+
+def test_what_was_signed_before_the_start_does_not_come_again() -> None:
+    clock = Clock()
+    signing = Signing(KEY, clock=clock)
+    assert signing.judge(Client(stamp=NOW - 1).pack()) is Refusal.STALE
+    assert signing.judge(Client(stamp=NOW).pack()) is None
 
 
 def test_the_table_is_bounded_and_forgets_only_what_cannot_be_replayed() -> None:
