@@ -16,11 +16,10 @@ EXIT_INTERRUPTED = 130
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
-    modules = {name: _module(name) for name in COMMANDS}
-    options = _parser(modules).parse_args(arguments)
+    options = _parse(arguments)
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     try:
-        modules[options.command].run(options)
+        _module(options.command).run(options)
     except FlightstackError as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
         return error.exit_code
@@ -30,13 +29,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _parser(modules: dict[str, ModuleType]) -> argparse.ArgumentParser:
+def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+    """Parse; `given` names the options that the user gave, whatever their defaults are."""
     parser = argparse.ArgumentParser(prog=PROGRAM, description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for name, module in modules.items():
+    for name in COMMANDS:
+        module = _module(name)
         about = (module.__doc__ or "").splitlines()[0]
         module.add_arguments(commands.add_parser(name, help=about, description=about))
-    return parser
+    options = parser.parse_args(arguments)
+    commands.choices[options.command].set_defaults(**dict.fromkeys(vars(options)))
+    again = vars(parser.parse_args(arguments))
+    options.given = frozenset(name for name, value in again.items() if value is not None)
+    return options
 
 
 def _module(name: str) -> ModuleType:

@@ -6,12 +6,16 @@ from typing import Any
 from flightstack.errors import UsageError
 
 
+class MissingLibraryError(UsageError):
+    """An optional library is not installed."""
+
+
 def load_library(name: str) -> Any:
-    """Import an optional module; raises UsageError where it is missing."""
+    """Import an optional module; raises MissingLibraryError."""
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        raise UsageError(
+        raise MissingLibraryError(
             f"this needs {name.partition('.')[0]}: pip install 'flightstack[evaluation]'"
         ) from error
 

@@ -1,13 +1,14 @@
 """Conduct an ablation: find the controls on validation tracks, then fly strategies and controls."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 
 from flightstack import models
 from flightstack.companion.pipeline import load_pipeline
 from flightstack.evaluation.ablation.answer import Ablation, answer
-from flightstack.evaluation.ablation.design import Point, cube, factorial
+from flightstack.evaluation.ablation.design import Point, cube, factorial, points_of
 from flightstack.evaluation.ablation.pace import (
     FACTORS,
     Control,
@@ -17,49 +18,44 @@ from flightstack.evaluation.ablation.pace import (
     validation_tracks,
 )
 from flightstack.evaluation.ablation.report import ablation_sections
+from flightstack.evaluation.experiments.asked import ASKED, held_experiment
 from flightstack.evaluation.experiments.competitors import plain_name
-from flightstack.evaluation.experiments.conducting import conduct
-from flightstack.evaluation.experiments.experiment import Condition, Experiment, Row, tracks
-from flightstack.evaluation.experiments.flying import fly, models_of
-from flightstack.evaluation.experiments.folder import CALIBRATION, ROWS, Folder, calibration_folder
-from flightstack.evaluation.experiments.options import jobs_of
-from flightstack.evaluation.experiments.rows import read_rows
+from flightstack.evaluation.experiments.conducting import conduct, fly_missing
+from flightstack.evaluation.experiments.experiment import Experiment, Row, tracks
+from flightstack.evaluation.experiments.folder import CALIBRATION, calibration_folder, read_trials
+from flightstack.evaluation.experiments.recalling import check_given, recall
+from flightstack.evaluation.experiments.rows import TrialRow
 from flightstack.evaluation.ladder.rungs import load_rung
 from flightstack.evaluation.pictures.ablation import draw_ablation
 from flightstack.evaluation.results.summary import Summary
 from flightstack.evaluation.results.writing import write_json
 
+NAME = "ablation"
 ANSWER_FILE = "ablation.json"
 CALIBRATION_LAPS = 1
 
 
 def ablate(options: argparse.Namespace) -> None:
-    """Do as the command asks; raises UsageError, ModelError or UnflownError."""
-    best = models.read_config(models.find(options.model) / models.CONFIG_FILE).policy.best_member
-    points = factorial(with_best=bool(best)) if options.factorial else cube()
-    for point in points:
-        load_pipeline(options.model, point.strategy)
-    conditions = tuple(load_rung(name)[1] for name in options.rungs)
-    test_tracks = tracks(options.tracks, options.seeds)
-    controls = _find_controls(points, conditions, options)
-    rules = list(dict.fromkeys(control.rule for control in controls.values()))
-    strategies = dict.fromkeys([*(point.strategy for point in points), *rules])
-    experiment = Experiment(
-        name="ablation",
-        rows=_rows(options.model, list(strategies)),
-        conditions=conditions,
-        track_seeds=test_tracks,
-        trials=options.trials,
-        laps=options.laps,
-    )
+    """Do as the command asks; raises UsageError, ModelError or UnflownError.
+
+    Whatever the flights would ask is checked before the first of the calibration.
+    """
+    if options.report_only:
+        experiment = recall(options, NAME, _options_of)
+        points = points_of([row.strategy for row in experiment.rows])
+        controls = find_controls(_strategies(points), paces(_recall_calibration(options)))
+    else:
+        points, plain = _ask(options)
+        controls = find_controls(_strategies(points), paces(_calibrate(plain, options)))
+        experiment = replace(plain, rows=_rows(options.model, _with_rules(points, controls)))
 
     @cache
     def found() -> Ablation:
-        return answer(read_rows(options.out / ROWS), points, controls)
+        return answer(read_trials(options.out, experiment), points, controls)
 
     def sections(summary: Summary) -> list[str]:
         write_json(options.out / ANSWER_FILE, found())
-        return ablation_sections(summary, found(), options.model)
+        return ablation_sections(summary, found(), experiment.rows[0].model)
 
     pairs = [
         (plain_name(one.strategy), plain_name(one.rule))
@@ -69,32 +65,59 @@ def ablate(options: argparse.Namespace) -> None:
     conduct(experiment, options, sections, pairs, {"ablation": lambda _: draw_ablation(found())})
 
 
-def _find_controls(
-    points: Sequence[Point], conditions: tuple[Condition, ...], options: argparse.Namespace
-) -> dict[str, Control]:
-    """Fly strategies and constant factors over validation tracks, and read the controls off."""
-    strategies = [point.strategy for point in points]
-    flown = list(dict.fromkeys([*strategies, *map(constant, FACTORS)]))
-    experiment = Experiment(
+def _ask(options: argparse.Namespace) -> tuple[tuple[Point, ...], Experiment]:
+    """Return the design, and the experiment as it is before the controls are known."""
+    best = models.read_config(models.find(options.model) / models.CONFIG_FILE).policy.best_member
+    points = factorial(with_best=bool(best)) if options.factorial else cube()
+    for point in points:
+        load_pipeline(options.model, point.strategy)
+    return points, Experiment(
+        name=NAME,
+        rows=_rows(options.model, _strategies(points)),
+        conditions=tuple(load_rung(name)[1] for name in options.rungs),
+        track_seeds=tracks(options.tracks, options.seeds),
+        trials=options.trials,
+        laps=options.laps,
+    )
+
+
+def _calibrate(plain: Experiment, options: argparse.Namespace) -> list[TrialRow]:
+    """Fly strategies and constant factors over validation tracks."""
+    strategies = [*(row.strategy for row in plain.rows), *map(constant, FACTORS)]
+    experiment = replace(
+        plain,
         name=CALIBRATION,
-        rows=_rows(options.model, flown),
-        conditions=conditions,
+        rows=_rows(options.model, list(dict.fromkeys(strategies))),
         track_seeds=validation_tracks(options.validation_tracks),
         trials=1,
         laps=CALIBRATION_LAPS,
     )
-    path = calibration_folder(options.out)
-    if options.report_only:
-        rows = read_rows(path / ROWS)
-    else:
-        rows = fly(
-            experiment,
-            Folder(path, experiment, models_of(experiment)),
-            jobs=jobs_of(options),
-            backend=options.backend,
-            keep_logs=False,
-        )
-    return find_controls(strategies, paces(rows))
+    return fly_missing(experiment, calibration_folder(options.out), options, keep_logs=False)
+
+
+def _recall_calibration(options: argparse.Namespace) -> list[TrialRow]:
+    path = options.out / CALIBRATION
+    held = held_experiment(path)
+    check_given(options, path / ASKED, {"validation_tracks": [len(held.track_seeds)]})
+    return read_trials(path, held)
+
+
+def _options_of(held: Experiment) -> dict[str, list[object]]:
+    is_factorial = len(points_of([row.strategy for row in held.rows])) > len(cube())
+    return {
+        "model": [row.model for row in held.rows],
+        "rungs": [condition.name for condition in held.conditions],
+        "factorial": [True] if is_factorial else [],
+    }
+
+
+def _strategies(points: Sequence[Point]) -> list[str]:
+    return [point.strategy for point in points]
+
+
+def _with_rules(points: Sequence[Point], controls: Mapping[str, Control]) -> list[str]:
+    rules = (control.rule for control in controls.values())
+    return list(dict.fromkeys([*_strategies(points), *rules]))
 
 
 def _rows(model: str, strategies: Sequence[str]) -> tuple[Row, ...]:

@@ -9,7 +9,7 @@ cube once:
 """
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 MEMBER, STATISTIC, VX = "member choice", "mode", "slow-down"
@@ -68,3 +68,12 @@ def factorial(*, with_best: bool) -> tuple[Point, ...]:
     ]
     points = itertools.product(*levels)
     return tuple(Point(member=m, statistic=s, vx=v) for m, s, v in points)
+
+
+def points_of(strategies: Iterable[str]) -> tuple[Point, ...]:
+    """Recognise the design that these strategies were flown for: all combinations, or corners."""
+    flown = set(strategies)
+    for points in (factorial(with_best=True), factorial(with_best=False)):
+        if {point.strategy for point in points} <= flown:
+            return points
+    return cube()

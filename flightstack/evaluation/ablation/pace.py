@@ -55,7 +55,15 @@ def paces(rows: Iterable[TrialRow]) -> dict[str, float]:
 
 
 def find_controls(strategies: Sequence[str], pace: Mapping[str, float]) -> dict[str, Control]:
-    """Read each strategy's factor off what the constant factors flew."""
+    """Read each strategy's factor off what the constant factors flew.
+
+    Raises UsageError where the pace of one is unknown.
+    """
+    unknown = next(
+        (name for name in (*strategies, *map(constant, FACTORS)) if name not in pace), None
+    )
+    if unknown is not None:
+        raise UsageError(f"no flight of the calibration tells the pace of {unknown}")
     flown = [pace[constant(factor)] for factor in FACTORS]
     rising = np.maximum.accumulate(flown)  # what chance lets fall must not confuse the reading
     controls = {}

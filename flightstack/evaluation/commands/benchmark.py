@@ -1,8 +1,14 @@
 """Fly your own policy, perception or strategy on the same tracks as the models that come along."""
 
 import argparse
+from typing import TYPE_CHECKING
 
 from flightstack.evaluation.experiments.options import add_flying_options
+
+if TYPE_CHECKING:
+    from flightstack.evaluation.experiments.experiment import Condition, Experiment
+
+NAME = "benchmark"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,26 +32,50 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Fly what is missing, then write and print the results."""
     # Here, not above: --help must not wait for scipy and torch.
-    from flightstack.errors import UsageError  # noqa: PLC0415
-    from flightstack.evaluation.experiments.competitors import make_brought_row, make_rows  # noqa: PLC0415
     from flightstack.evaluation.experiments.conducting import conduct  # noqa: PLC0415
-    from flightstack.evaluation.experiments.experiment import Experiment, tracks  # noqa: PLC0415
+    from flightstack.evaluation.experiments.recalling import recall  # noqa: PLC0415
     from flightstack.evaluation.ladder.rungs import load_rung  # noqa: PLC0415
     from flightstack.evaluation.results.writing import plain_sections  # noqa: PLC0415
 
-    brought = (options.perception, options.policy, options.strategy)
-    if not any(brought):
+    conditions = tuple(load_rung(name)[1] for name in options.rungs)
+    if options.report_only:
+        options.rungs = [condition.name for condition in conditions]
+        experiment = recall(options, NAME, _options_of)
+    else:
+        experiment = _asked(options, conditions)
+    title = f"Benchmark, {experiment.rows[0].name}"
+    conduct(experiment, options, lambda summary: plain_sections(summary, title))
+
+
+def _asked(options: argparse.Namespace, conditions: tuple["Condition", ...]) -> "Experiment":
+    """Put what the user brings first."""
+    from flightstack.errors import UsageError  # noqa: PLC0415
+    from flightstack.evaluation.experiments.competitors import make_brought_row, make_rows  # noqa: PLC0415
+    from flightstack.evaluation.experiments.experiment import Experiment, tracks  # noqa: PLC0415
+
+    if not any((options.perception, options.policy, options.strategy)):
         raise UsageError("name your own part: --policy, --perception or --strategy")
     own = make_brought_row(
         options.model, options.strategy, perception=options.perception, policy=options.policy
     )
     against = [options.model] if options.against is None else options.against
-    experiment = Experiment(
-        name="benchmark",
+    return Experiment(
+        name=NAME,
         rows=(own, *make_rows(against, [])),
-        conditions=tuple(load_rung(name)[1] for name in options.rungs),
+        conditions=conditions,
         track_seeds=tracks(options.tracks, options.seeds),
         trials=options.trials,
         laps=options.laps,
     )
-    conduct(experiment, options, lambda summary: plain_sections(summary, f"Benchmark, {own.name}"))
+
+
+def _options_of(held: "Experiment") -> dict[str, list[str]]:
+    own, *others = held.rows
+    brought = dict(text.removeprefix("--").split("=", 1) for text in own.companion_options)
+    return {
+        **{part: [brought[part]] if part in brought else [] for part in ("perception", "policy")},
+        "strategy": [own.strategy],
+        "model": [own.model],
+        "against": [row.model for row in others],
+        "rungs": [condition.name for condition in held.conditions],
+    }

@@ -1,8 +1,14 @@
 """Fly the ladder: noise, haste, late, bad and frozen images, fog, darkness, wind, second gates."""
 
 import argparse
+from typing import TYPE_CHECKING
 
 from flightstack.evaluation.experiments.options import add_flying_options
+
+if TYPE_CHECKING:
+    from flightstack.evaluation.experiments.experiment import Experiment
+
+NAME = "ladder"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,8 +26,8 @@ def run(options: argparse.Namespace) -> None:
     from flightstack.evaluation.experiments.competitors import make_rows  # noqa: PLC0415
     from flightstack.evaluation.experiments.conducting import conduct  # noqa: PLC0415
     from flightstack.evaluation.experiments.experiment import Experiment, tracks  # noqa: PLC0415
-    from flightstack.evaluation.experiments.folder import ROWS  # noqa: PLC0415
-    from flightstack.evaluation.experiments.rows import read_rows  # noqa: PLC0415
+    from flightstack.evaluation.experiments.folder import read_trials  # noqa: PLC0415
+    from flightstack.evaluation.experiments.recalling import recall  # noqa: PLC0415
     from flightstack.evaluation.ladder.report import ladder_sections  # noqa: PLC0415
     from flightstack.evaluation.ladder.rungs import known_rungs, load_rung  # noqa: PLC0415
     from flightstack.evaluation.pictures.ladder import draw_ladder  # noqa: PLC0415
@@ -29,16 +35,29 @@ def run(options: argparse.Namespace) -> None:
 
     rungs = [load_rung(name) for name in options.rungs or known_rungs()]
     about = {condition.name: rung.about for rung, condition in rungs}
-    experiment = Experiment(
-        name="ladder",
-        rows=make_rows(options.model, options.strategy),
-        conditions=tuple(condition for _, condition in rungs),
-        track_seeds=tracks(options.tracks, options.seeds),
-        trials=options.trials,
-        laps=options.laps,
-    )
+    if options.report_only:
+        options.rungs = list(about)
+        experiment = recall(options, NAME, _options_of)
+    else:
+        experiment = Experiment(
+            name=NAME,
+            rows=make_rows(options.model, options.strategy),
+            conditions=tuple(condition for _, condition in rungs),
+            track_seeds=tracks(options.tracks, options.seeds),
+            trials=options.trials,
+            laps=options.laps,
+        )
 
     def sections(summary: Summary) -> list[str]:
-        return ladder_sections(summary, read_rows(options.out / ROWS), about, "The ladder")
+        flown = {name: about[name] for name in summary.conditions if name in about}
+        return ladder_sections(summary, read_trials(options.out, experiment), flown, "The ladder")
 
     conduct(experiment, options, sections, pictures={"ladder": draw_ladder})
+
+
+def _options_of(held: "Experiment") -> dict[str, list[str]]:
+    return {
+        "model": [row.model for row in held.rows],
+        "strategy": [row.strategy for row in held.rows],
+        "rungs": [condition.name for condition in held.conditions],
+    }

@@ -1,8 +1,14 @@
 """Fly the paper's Table II: six rows at two levels of noise, with intervals."""
 
 import argparse
+from typing import TYPE_CHECKING
 
 from flightstack.evaluation.experiments.options import add_flying_options
+
+if TYPE_CHECKING:
+    from flightstack.evaluation.experiments.experiment import Experiment
+
+NAME = "table"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -19,15 +25,29 @@ def run(options: argparse.Namespace) -> None:
     # Here, not above: --help must not wait for scipy and torch.
     from flightstack.evaluation.experiments.conducting import conduct  # noqa: PLC0415
     from flightstack.evaluation.experiments.experiment import Experiment, tracks  # noqa: PLC0415
+    from flightstack.evaluation.experiments.recalling import recall  # noqa: PLC0415
     from flightstack.evaluation.results import paper  # noqa: PLC0415
     from flightstack.evaluation.results.writing import table_sections  # noqa: PLC0415
 
-    experiment = Experiment(
-        name="table",
-        rows=paper.rows(options.recipe, tuple(options.rows or paper.MEAN_GATES)),
-        conditions=tuple(paper.level(text) for text in options.levels),
-        track_seeds=tracks(options.tracks, options.seeds),
-        trials=options.trials,
-        laps=options.laps,
-    )
+    levels = tuple(paper.level(text) for text in options.levels)
+    if options.report_only:
+        options.levels = [level.name for level in levels]
+        experiment = recall(options, NAME, _options_of)
+    else:
+        experiment = Experiment(
+            name=NAME,
+            rows=paper.rows(options.recipe, tuple(options.rows or paper.MEAN_GATES)),
+            conditions=levels,
+            track_seeds=tracks(options.tracks, options.seeds),
+            trials=options.trials,
+            laps=options.laps,
+        )
     conduct(experiment, options, table_sections)
+
+
+def _options_of(held: "Experiment") -> dict[str, list[str]]:
+    return {
+        "recipe": [row.model.partition("/")[0] for row in held.rows],
+        "rows": [row.name for row in held.rows],
+        "levels": [condition.name for condition in held.conditions],
+    }

@@ -19,6 +19,7 @@ from flightstack.training.seeds import TEST_TRACKS
 
 FIRST_TRACK = 1000  # those before are flown by hand, by tests and in documents
 GATES_PER_LAP = 8
+Key = tuple[str, str, int, int]  # row, condition, track and trial
 NAME = re.compile(r"[a-z0-9][a-z0-9._+]*(-[a-z0-9._+]+)*")  # also part of a file's name
 
 
@@ -71,7 +72,7 @@ class Trial:
         return self.row.command_factor * self.condition.command_factor
 
     @property
-    def key(self) -> tuple[str, str, int, int]:
+    def key(self) -> Key:
         """What tells it from all others of its experiment."""
         return self.row.name, self.condition.name, self.track_seed, self.trial
 

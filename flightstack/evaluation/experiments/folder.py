@@ -11,23 +11,21 @@ import csv
 import fcntl
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.experiments.experiment import Experiment, Trial
+from flightstack.evaluation.experiments.asked import ASKED, asked_table, check_same
+from flightstack.evaluation.experiments.experiment import Experiment, Key, Trial
 from flightstack.evaluation.experiments.rows import TrialRow, header_line, read_rows, to_line
-from flightstack.evaluation.flights.flight import Flown
+from flightstack.evaluation.flights.flight import Flown, Landed
+from flightstack.evaluation.unwritable import told_if_unwritable
 
-ASKED, ROWS, TIMES = "experiment.json", "trials.csv", "times.csv"
+ROWS, TIMES = "trials.csv", "times.csv"
 TRACES, LOGS = "traces", "logs"
 CALIBRATION = "calibration"  # an experiment of its own, which some are laid out by
 NO_CODE: Mapping[str, str] = {}
-NOTHING_BROUGHT: dict[str, object] = {
-    "code": {}
-}  # what a folder says that was made before it was asked
 TIME_COLUMNS = ("trial", "wall_s", "flight_s", "simulated_s", "deaths")
 
 
@@ -50,36 +48,22 @@ class Folder:
         """
         self.path = path
         self._experiment = experiment
-        asked = json.loads(
-            json.dumps({**experiment.as_table(), "models": dict(models), "code": dict(code)})
-        )
+        asked = asked_table(experiment, models, code)
         if (path / ASKED).exists():
-            _check_same(path, asked)
+            check_same(path, asked)
         elif path.exists():
             _check_free(path)
-        try:
+        self._flown = self._read() if (path / ROWS).exists() else {}
+        with told_if_unwritable():
             (path / TRACES).mkdir(parents=True, exist_ok=True)
             _write_whole(path / ASKED, json.dumps(asked, indent=2) + "\n")
             if not (path / ROWS).exists():
                 _write_whole(path / ROWS, header_line())
-        except OSError as error:
-            raise UsageError(f"{path} cannot be written: {error.strerror}") from error
-        self._flown = {row.key: row for row in read_rows(path / ROWS)}
 
     @property
     def rows(self) -> list[TrialRow]:
         """All rows so far, in the order of the experiment: by row, condition, track and trial."""
-        rows = [row.name for row in self._experiment.rows]
-        conditions = [condition.name for condition in self._experiment.conditions]
-        return sorted(
-            self._flown.values(),
-            key=lambda row: (
-                rows.index(row.row),
-                conditions.index(row.condition),
-                row.track_seed,
-                row.trial,
-            ),
-        )
+        return in_order(self._experiment, self._flown.values())
 
     @property
     def missing(self) -> list[Trial]:
@@ -94,26 +78,32 @@ class Folder:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError as error:
                 raise UsageError(f"another command is flying into {self.path}") from error
-            self._flown = {row.key: row for row in read_rows(self.path / ROWS)}
+            self._flown = self._read()
             self.tidy()  # a line that was cut off goes
             yield
 
     def keep(self, flown: Flown) -> None:
         """Write what came of a trial: its row last, so that a row stands for all of it."""
-        self._note_times(flown)
-        landed = flown.landed
-        if landed is None:
-            return
-        landed.trace.save(self.path / TRACES / f"{flown.trial}.npz")
-        if landed.log is not None:
-            (self.path / LOGS).mkdir(exist_ok=True)
-            (self.path / LOGS / f"{flown.trial}.tlog").write_bytes(landed.log)
-        _append(self.path / ROWS, to_line(landed.row))
-        self._flown[landed.row.key] = landed.row
+        with told_if_unwritable():
+            self._note_times(flown)
+            if flown.landed is not None:
+                self._keep_landed(flown.trial, flown.landed)
 
     def tidy(self) -> None:
         """Write the rows anew, in order."""
-        _write_whole(self.path / ROWS, header_line() + "".join(map(to_line, self.rows)))
+        with told_if_unwritable():
+            _write_whole(self.path / ROWS, header_line() + "".join(map(to_line, self.rows)))
+
+    def _read(self) -> dict[Key, TrialRow]:
+        return {row.key: row for row in read_trials(self.path, self._experiment)}
+
+    def _keep_landed(self, trial: Trial, landed: Landed) -> None:
+        landed.trace.save(self.path / TRACES / f"{trial}.npz")
+        if landed.log is not None:
+            (self.path / LOGS).mkdir(exist_ok=True)
+            (self.path / LOGS / f"{trial}.tlog").write_bytes(landed.log)
+        _append(self.path / ROWS, to_line(landed.row))
+        self._flown[landed.row.key] = landed.row
 
     def _note_times(self, flown: Flown) -> None:
         path = self.path / TIMES
@@ -132,6 +122,35 @@ class Folder:
             lines.writerow([str(flown.trial), *texts, "; ".join(flown.deaths)])
 
 
+def read_trials(path: Path, experiment: Experiment) -> list[TrialRow]:
+    """Read the rows in the folder at `path`, in the order of the experiment.
+
+    Raises UsageError where they cannot be read, or one is of no trial of this experiment.
+    """
+    rows = read_rows(path / ROWS)
+    asked = {trial.key for trial in experiment.plan()}
+    stranger = next((row for row in rows if row.key not in asked), None)
+    if stranger is not None:
+        name = "-".join(map(str, stranger.key))
+        raise UsageError(f"{path / ROWS} is damaged: {ASKED} asks for no trial {name}")
+    return in_order(experiment, rows)
+
+
+def in_order(experiment: Experiment, rows: Iterable[TrialRow]) -> list[TrialRow]:
+    """Sort an experiment's rows as it names them: by row, condition, track and trial."""
+    names = [row.name for row in experiment.rows]
+    conditions = [condition.name for condition in experiment.conditions]
+    return sorted(
+        rows,
+        key=lambda row: (
+            names.index(row.row),
+            conditions.index(row.condition),
+            row.track_seed,
+            row.trial,
+        ),
+    )
+
+
 def calibration_folder(path: Path) -> Path:
     """Name the place of an experiment's calibration; raises UsageError where none may be."""
     calibration = path / CALIBRATION
@@ -146,20 +165,6 @@ def _check_free(path: Path) -> None:
     """Refuse a folder that holds more than what was flown to lay an experiment out."""
     if not path.is_dir() or any(entry.name != CALIBRATION for entry in path.iterdir()):
         raise UsageError(f"{path} is not empty and holds no experiment: choose another --out")
-
-
-def _check_same(path: Path, asked: dict[str, Any]) -> None:
-    try:
-        held = json.loads((path / ASKED).read_text())
-    except (OSError, ValueError) as error:
-        raise UsageError(f"{path / ASKED} cannot be read: choose another --out") from error
-    known = NOTHING_BROUGHT | held if isinstance(held, dict) else {}
-    if known == asked:
-        return
-    differing = ", ".join(key for key in asked if known.get(key) != asked[key])
-    raise UsageError(
-        f"{path} holds another experiment (other {differing or 'fields'}): choose another --out"
-    )
 
 
 def _append(path: Path, line: str) -> None:

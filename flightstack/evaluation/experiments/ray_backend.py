@@ -2,6 +2,7 @@
 
 import os
 import sys
+from importlib.util import find_spec
 from typing import Any
 
 from joblib import register_parallel_backend
@@ -11,17 +12,18 @@ from flightstack.errors import UsageError
 NAME = "flightstack-ray"
 
 
-def register() -> None:
-    """Make the backend known to joblib by NAME.
+def check_installed() -> None:
+    """Raise UsageError where Ray is missing."""
+    if find_spec("ray") is None:
+        raise UsageError("--backend ray needs Ray: pip install 'flightstack[ray]'")
 
-    Raises UsageError where Ray is missing, or does not start.
-    """
+
+def register() -> None:
+    """Make the backend known to joblib by NAME; raises UsageError where Ray does not start."""
+    check_installed()
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-    try:
-        import ray  # noqa: PLC0415  an extra
-        from ray.util.joblib.ray_backend import RayBackend  # noqa: PLC0415
-    except ImportError as error:
-        raise UsageError("--backend ray needs Ray: pip install 'flightstack[ray]'") from error
+    import ray  # noqa: PLC0415  an extra
+    from ray.util.joblib.ray_backend import RayBackend  # noqa: PLC0415
 
     class StreamingRay(RayBackend):
         """Hands over each trial as it lands, which joblib allows only where this is said."""

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, get_type_hints
 
 from flightstack.errors import UsageError
+from flightstack.evaluation.experiments.experiment import Key
 from flightstack.records import VELOCITIES
 
 PARTS = ("aleatoric", "epistemic", "perceptual")
@@ -60,7 +61,7 @@ class TrialRow:
     weights_sha256: str
 
     @property
-    def key(self) -> tuple[str, str, int, int]:
+    def key(self) -> Key:
         """What tells it from all other trials of its experiment."""
         return self.row, self.condition, self.track_seed, self.trial
 

@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.errors import UsageError
 from flightstack.logs.course import find_gates
 from flightstack.logs.decisions import Decisions
 from flightstack.logs.log import Log
@@ -49,9 +51,12 @@ class Trace:
 
     @classmethod
     def load(cls, path: Path) -> Self:
-        """Read a .npz file."""
-        with np.load(path) as arrays:
-            return cls(**{name: arrays[name] for name in arrays.files})
+        """Read a .npz file; raises UsageError."""
+        try:
+            with np.load(path) as arrays:
+                return cls(**{name: arrays[name] for name in arrays.files})
+        except (OSError, EOFError, ValueError, TypeError, BadZipFile) as error:
+            raise UsageError(f"{path} is damaged: remove it, and its picture lacks it") from error
 
 
 def positions(log: Log, stamps_us: NDArray[np.int64]) -> Floats:

@@ -20,7 +20,7 @@ Draw = Callable[[Summary], Any]  # returns a figure
 def draw_all(out: Path, summary: Summary, rows: Sequence[TrialRow], own: Mapping[str, Draw]) -> str:
     """Draw into `out` what every experiment has, and its own by name; return the section on them.
 
-    Raises UsageError where matplotlib is missing.
+    Raises MissingLibraryError without matplotlib, UsageError where a trace is damaged.
     """
     folder = out / FOLDER
     folder.mkdir(exist_ok=True)

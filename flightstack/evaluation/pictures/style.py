@@ -35,7 +35,7 @@ def looks(names: Sequence[str]) -> dict[str, Look]:
 
 
 def new_figure(width_in: float, height_in: float) -> Any:
-    """Return an empty matplotlib figure; raises UsageError where matplotlib is missing."""
+    """Return an empty matplotlib figure; raises MissingLibraryError without matplotlib."""
     figure = load_library("matplotlib.figure").Figure(
         figsize=(width_in, height_in), layout="constrained", facecolor=GROUND
     )

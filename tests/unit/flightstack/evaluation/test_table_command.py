@@ -7,12 +7,26 @@ from flightstack.evaluation.cli import main
 from flightstack.evaluation.experiments.experiment import Experiment
 from flightstack.evaluation.experiments.flying import models_of
 from flightstack.evaluation.experiments.folder import Folder
-from flightstack.evaluation.experiments.rows import header_line, to_line
+from flightstack.evaluation.experiments.rows import TrialRow, header_line, to_line
 from flightstack.evaluation.results import paper
 from flightstack.models import PACKAGE
 from tests.unit.flightstack.evaluation.made_rows import ONE, made_row
 
 STRONG = ("table", "--recipe=strong", "--rows", "m0-mean", "--tracks=2")
+
+
+def two_tracks() -> Experiment:
+    return Experiment(
+        name="table",
+        rows=paper.rows("strong", ("m0-mean",)),
+        conditions=(paper.level("1"),),
+        track_seeds=(1000, 1001),
+        trials=1,
+    )
+
+
+def fill(folder: Path, *rows: TrialRow) -> None:
+    (folder / "trials.csv").write_text(header_line() + "".join(map(to_line, rows)))
 
 
 @pytest.mark.parametrize(
@@ -60,16 +74,9 @@ def test_missing_weights_are_told(
 def test_what_stands_is_told_and_who_flew_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    asked = Experiment(
-        name="table",
-        rows=paper.rows("strong", ("m0-mean",)),
-        conditions=(paper.level("1"),),
-        track_seeds=(1000, 1001),
-        trials=1,
-    )
-    folder = Folder(tmp_path, asked, models_of(asked))
-    rows = [made_row(4), made_row(9, track=1001)]
-    (folder.path / "trials.csv").write_text(header_line() + "".join(map(to_line, rows)))
+    asked = two_tracks()
+    Folder(tmp_path, asked, models_of(asked))
+    fill(tmp_path, made_row(4), made_row(9, track=1001))
     assert main([*STRONG, "--levels=1", f"--out={tmp_path}"]) == 0
     said = capsys.readouterr().err
     assert "2 trials stand already, 0 are to be flown\n" in said
@@ -79,9 +86,9 @@ def test_what_stands_is_told_and_who_flew_it(
 def test_results_are_made_anew_from_rows_alone(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    rows = [ONE, made_row(4, track=1001), made_row(9, track=1002)]
-    (tmp_path / "trials.csv").write_text(header_line() + "".join(map(to_line, rows)))
+    Folder(tmp_path, two_tracks(), {})
+    fill(tmp_path, ONE, made_row(4, track=1001))
     assert main([*STRONG, "--report-only", f"--out={tmp_path}"]) == 0
-    assert "15.00" in capsys.readouterr().out
-    assert "| m0-mean | 15.00 [" in (tmp_path / "results.md").read_text()
+    assert "18.00" in capsys.readouterr().out
+    assert "| m0-mean | 18.00 [" in (tmp_path / "results.md").read_text()
     assert (tmp_path / "results.json").exists()
