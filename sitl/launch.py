@@ -52,6 +52,8 @@ def launch(options: Options) -> int:
 
         server, stream = assemble(options, links, guard, unix_epoch_us, stack)
         _log.info("vehicle %d: %s, camera %s", options.system, _describe(links), stream.uri)
+        if options.video is not None:
+            _log.info("video to udp://%s:%d", *options.video)
         gc.freeze()  # what is here now stays: no need to look through it again and again
         return _run(server)
 

@@ -4,6 +4,7 @@ The stamps are vehicle time. Every second begins with a whole picture, so that a
 join at any time. Needs PyAV, which is imported only where video is asked for.
 """
 
+import socket
 from contextlib import suppress
 from fractions import Fraction
 from typing import TYPE_CHECKING, cast
@@ -32,7 +33,7 @@ class VideoSender:
 
         Raises:
             UsageError: PyAV is not there.
-            LinkError: there is no way to the address.
+            LinkError: there is no such host, or no way there.
 
         """
         try:
@@ -40,11 +41,14 @@ class VideoSender:
         except ImportError:
             raise UsageError("--video needs PyAV: install flightstack[video]") from None
         self._av = av
-        self._url = f"rtp://{address[0]}:{address[1]}?pkt_size={PACKET_BYTES}"
         try:
-            self._container: OutputContainer = av.open(self._url, "w", format="rtp")
+            local, remote = _way_to(address)
+            # Bound to the one interface that leads there: it opens nothing on the others.
+            url = f"rtp://{remote}:{address[1]}?pkt_size={PACKET_BYTES}&localaddr={local}"
+            self._container: OutputContainer = av.open(url, "w", format="rtp")
         except OSError as error:
-            raise LinkError(f"--video udp://{address[0]}:{address[1]}: {error.strerror}") from None
+            why = error.strerror or error
+            raise LinkError(f"--video udp://{address[0]}:{address[1]}: {why}") from None
         options = {"preset": "ultrafast", "tune": "zerolatency", "profile": "baseline"}
         stream = self._container.add_stream(CODEC, rate=rate_hz, options=options)
         self._stream = cast("VideoStream", stream)
@@ -66,3 +70,10 @@ class VideoSender:
         """End the stream."""
         with suppress(OSError):
             self._container.close()
+
+
+def _way_to(address: Address) -> tuple[str, str]:
+    """Give the numeric addresses of this end and of that one; raises OSError."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.connect(address)  # sends nothing
+        return probe.getsockname()[0], probe.getpeername()[0]

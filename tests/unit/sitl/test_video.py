@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from sitl.errors import UsageError
+from sitl.errors import LinkError, UsageError
 from sitl.records import Frame
 from sitl.video import VideoSender
 
@@ -87,6 +87,21 @@ def test_nobody_need_look(viewer: socket.socket) -> None:
         sender.publish(picture(8))
         assert late.recv(2048)[0] >> 6 == 2  # RTP goes on, to whoever looks now
     sender.close()
+
+
+def test_it_opens_nothing_on_other_interfaces(viewer: socket.socket) -> None:
+    sender = VideoSender(viewer.getsockname(), size_px=SIZE_PX, rate_hz=RATE_HZ)
+    sender.publish(picture(0))
+    _, (host, port) = viewer.recvfrom(2048)
+    assert host == "127.0.0.1"
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("127.0.0.2", port))  # would be taken
+    sender.close()
+
+
+def test_a_host_that_is_not_there_is_said_at_once() -> None:
+    with pytest.raises(LinkError, match=r"--video udp://nowhere\.invalid:5600: "):
+        VideoSender(("nowhere.invalid", 5600), size_px=SIZE_PX, rate_hz=RATE_HZ)
 
 
 def test_without_pyav_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
