@@ -1,10 +1,13 @@
 """Put a vehicle together: the simulation, its camera stream, its endpoint, and the loop."""
 
+import os
+import sys
 from collections.abc import Sequence
 from contextlib import ExitStack, closing
 
 from sitl.autopilot.parameters import Parameters, ParameterType
 from sitl.camera_stream import CameraStream
+from sitl.errors import UsageError
 from sitl.mavlink.camera_component import CameraFacts
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.link import Guard, Link
@@ -26,7 +29,7 @@ def assemble(
 
     Raises:
         LinkError: the camera's port cannot be had.
-        UsageError: a parameter, the track's noise or the log's path cannot be.
+        UsageError: a parameter, the track's noise, a path or the display cannot be.
 
     """
     stream = stack.enter_context(closing(CameraStream(options.camera_port)))
@@ -68,6 +71,8 @@ def assemble(
 
 
 def _make_simulation(options: Options) -> Simulation:
+    if options.gui and sys.platform == "linux" and not os.environ.get("DISPLAY"):
+        raise UsageError("--gui needs a display: DISPLAY is not set")
     return Simulation(
         SimulationConfig(
             seed=options.seed,

@@ -5,6 +5,8 @@ SitlError
 └── LinkError     a socket cannot be had (port in use, no permission); exit code 3
 """
 
+INTERRUPTED = 130  # exit code after SIGINT
+
 
 class SitlError(Exception):
     """Root of all errors that the simulator raises; its text is one line fit for a user."""

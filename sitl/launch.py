@@ -12,6 +12,7 @@ from contextlib import ExitStack, closing
 from types import FrameType
 from typing import TYPE_CHECKING
 
+from sitl.errors import INTERRUPTED
 from sitl.mavlink.health import heartbeat
 from sitl.mavlink.link import Guard, Link
 from sitl.mavlink.signing import Signing
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from sitl.server import Server
 
 MAV_STATE_UNINIT = 0
-INTERRUPTED = 130  # exit code
 
 _log = logging.getLogger(__name__)
 

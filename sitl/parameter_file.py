@@ -13,7 +13,8 @@ from sitl.errors import UsageError
 
 HEADER = "# Parameters that differ from their defaults\n# Vehicle\tcomponent\tname\tvalue\ttype\n"
 FIELDS = 5
-OWN_OPTION = "MAV_SYS_ID"  # follows from the instance
+COMPONENT = 1  # the autopilot
+OWN = {"MAV_SYS_ID", "MAV_COMP_ID"}  # the first follows from the instance, the second is 1
 
 _log = logging.getLogger(__name__)
 
@@ -27,10 +28,11 @@ class ParameterFile:
         Names that this vehicle doesn't know are passed over: the file may be another vehicle's.
 
         Raises:
-            UsageError: the file can't be read, a line has another form, or a value can't be.
+            UsageError: the file can't be read or kept, a line has another form, or a value can't
+                be.
 
         """
-        self._path = path
+        self._path = path.resolve()  # a link stays one
         self._parameters = parameters
         self._load()
         self._saved_version = parameters.version
@@ -45,6 +47,8 @@ class ParameterFile:
         draft = self._path.with_name(self._path.name + ".new")
         try:
             draft.write_text(HEADER + "".join(lines))
+            if self._path.exists():
+                draft.chmod(self._path.stat().st_mode)
             os.replace(draft, self._path)  # noqa: PTH105  atomic
         except OSError as error:
             _log.error("parameters not saved to %s: %s", self._path, error.strerror)
@@ -52,6 +56,9 @@ class ParameterFile:
                 draft.unlink(missing_ok=True)
 
     def _load(self) -> None:
+        folder = self._path.parent
+        if not (folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)):
+            raise UsageError(f"--params: can't write to the folder {folder}")
         try:
             text = self._path.read_text() if self._path.exists() else ""
         except (OSError, UnicodeDecodeError) as error:
@@ -78,10 +85,9 @@ class ParameterFile:
 
     def _is_changed(self, name: str) -> bool:
         default = self._parameters.specification(name).default
-        return name != OWN_OPTION and self._parameters.get(name) != default
+        return name not in OWN and self._parameters.get(name) != default
 
     def _line(self, name: str) -> str:
         parameters = self._parameters
-        system, component = parameters.get("MAV_SYS_ID"), parameters.get("MAV_COMP_ID")
-        kind = int(parameters.type_of(name))
-        return f"{system}\t{component}\t{name}\t{parameters.get(name)!r}\t{kind}\n"
+        system, kind = parameters.get("MAV_SYS_ID"), int(parameters.type_of(name))
+        return f"{system}\t{COMPONENT}\t{name}\t{parameters.get(name)!r}\t{kind}\n"

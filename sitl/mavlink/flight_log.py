@@ -71,7 +71,10 @@ class FlightLog:
         self._path = folder / f"{self._started_unix_s}-{self._flights:03d}.tlog"
         try:
             self._writer = TlogWriter(
-                self._path, unix_epoch_us=self._unix_epoch_us, clock=self._clock
+                self._path,
+                unix_epoch_us=self._unix_epoch_us,
+                clock=self._clock,
+                option="--files",
             )
         except UsageError as error:
             self._flights = MAX_FLIGHTS

@@ -36,8 +36,9 @@ class TlogWriter:
         unix_epoch_us: int,
         clock: Callable[[], int],
         most_bytes: int = MOST_BYTES,
+        option: str = "--log",
     ) -> None:
-        """Create the file; `clock` gives vehicle time in us.
+        """Create the file; `clock` gives vehicle time in us, `option` is what asked for it.
 
         Raises:
             UsageError: the file cannot be written.
@@ -46,7 +47,7 @@ class TlogWriter:
         try:
             self._file = path.open("wb", buffering=0)
         except OSError as error:
-            raise UsageError(f"--log {path}: {error.strerror}") from None
+            raise UsageError(f"{option} {path}: {error.strerror}") from None
         self._path = path  # of the first file
         self._parts = 1
         self._most_bytes = most_bytes

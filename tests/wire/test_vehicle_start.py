@@ -88,6 +88,8 @@ def test_a_busy_camera_port_is_refused() -> None:
         ("--noise=much", {}, "--noise"),
         ("--noise=50,0", {}, "50"),
         ("--log=/no/such/folder/file", {}, "--log"),
+        ("--params=/no/such/folder/file", {}, "--params"),
+        ("--gui", {"DISPLAY": ""}, "--gui"),
         ("-q", {"PX4_PARAM_MPC_XY_P": "often"}, "MPC_XY_P"),
         ("-q", {"PX4_PARAM_NO_SUCH": "1"}, "NO_SUCH"),
         ("-q", {"PX4_SIM_SPEED_FACTOR": "-1"}, "PX4_SIM_SPEED_FACTOR"),

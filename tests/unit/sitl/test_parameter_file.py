@@ -18,6 +18,7 @@ def test_what_is_changed_is_there_again_in_the_next_run(path):
     parameters.set("COM_OF_LOSS_T", 2.3)
     parameters.set("NAV_DLL_ACT", 2)
     parameters.set("MAV_SYS_ID", 5)
+    parameters.set("MAV_COMP_ID", 7)
     kept.save()
     later = Parameters()
     ParameterFile(path, later)
@@ -28,6 +29,27 @@ def test_what_is_changed_is_there_again_in_the_next_run(path):
         "5\t1\tCOM_OF_LOSS_T\t2.299999952316284\t9",
         "5\t1\tNAV_DLL_ACT\t2\t6",
     ]
+
+
+def test_a_link_stays_a_link_and_what_is_private_private(path, tmp_path):
+    path.write_text("")
+    path.chmod(0o600)
+    link = tmp_path / "link.params"
+    link.symlink_to(path)
+    parameters = Parameters()
+    kept = ParameterFile(link, parameters)
+    parameters.set("NAV_DLL_ACT", 2)
+    kept.save()
+    assert link.is_symlink()
+    assert path.stat().st_mode & 0o777 == 0o600
+    assert "NAV_DLL_ACT" in path.read_text()
+
+
+@pytest.mark.parametrize("folder", ["vehicle.params", "nowhere"])
+def test_a_file_that_could_not_be_kept_is_said_at_once(path, tmp_path, folder):
+    path.write_text("")
+    with pytest.raises(UsageError, match=f"can't write to the folder .*{folder}"):
+        ParameterFile(tmp_path / folder / "x.params", Parameters())
 
 
 def test_a_default_of_old_is_forgotten(path):
@@ -69,7 +91,10 @@ def test_what_cannot_be_is_named(path, line, reason):
 
 def test_a_file_that_cannot_be_written_is_told_of_and_the_flight_goes_on(tmp_path, caplog):
     parameters = Parameters()
-    kept = ParameterFile(tmp_path / "gone" / "vehicle.params", parameters)
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    kept = ParameterFile(folder / "vehicle.params", parameters)
+    folder.rmdir()
     parameters.set("NAV_DLL_ACT", 2)
     kept.save()
     assert "not saved" in caplog.text
