@@ -6,6 +6,7 @@ from pathlib import PurePath
 
 from flightstack import models
 from flightstack.companion.pipeline import load_pipeline
+from flightstack.errors import UsageError
 from flightstack.evaluation.experiments.experiment import Row
 
 PATH_PARTS = 2  # of a model's folder that name it: its recipe and its name
@@ -21,7 +22,7 @@ def make_rows(names: Sequence[str], strategies: Sequence[str]) -> tuple[Row, ...
     for model in names:
         own = models.read_config(models.find(model) / models.CONFIG_FILE).strategy
         for strategy in strategies or (own,):
-            load_pipeline(model, strategy)
+            _check_loads(model, strategy)
             name = f"{model_name(model)}-{plain_name(strategy)}"
             rows.append(Row(name=name, model=model, strategy=strategy))
     return tuple(rows)
@@ -34,7 +35,7 @@ def make_brought_row(
 
     Raises ModelError or UsageError where it can't fly.
     """
-    load_pipeline(model, strategy, perception=perception, policy=policy)
+    _check_loads(model, strategy, perception=perception, policy=policy)
     own = models.read_config(models.find(model) / models.CONFIG_FILE).strategy
     brought = dict(zip(PARTS, (perception, policy), strict=True))
     named = [part for part in (perception, policy, strategy) if part is not None]
@@ -46,6 +47,16 @@ def make_brought_row(
             f"--{part}={name}" for part, name in brought.items() if name is not None
         ),
     )
+
+
+def _check_loads(
+    model: str, strategy: str | None, *, perception: str | None = None, policy: str | None = None
+) -> None:
+    try:
+        load_pipeline(model, strategy, perception=perception, policy=policy)
+    except SystemExit as error:  # which extensions let through: it is no Exception
+        names = ", ".join(name for name in (perception, policy, strategy) if name is not None)
+        raise UsageError(f"{names} does not load: it ends Python by {error!r}") from error
 
 
 def model_name(model: str) -> str:

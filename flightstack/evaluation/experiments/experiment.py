@@ -18,7 +18,7 @@ from flightstack.errors import UsageError
 from flightstack.training.seeds import TEST_TRACKS
 
 FIRST_TRACK = 1000  # those before are flown by hand, by tests and in documents
-GATES_PER_LAP = 8
+MOST = 1000  # laps, or trials on a track: more is a slip of the finger
 Key = tuple[str, str, int, int]  # row, condition, track and trial
 NAME = re.compile(r"[a-z0-9][a-z0-9._+]*(-[a-z0-9._+]+)*")  # also part of a file's name
 
@@ -95,6 +95,8 @@ class Experiment:
         for what, count in (("trials", self.trials), ("laps", self.laps)):
             if count < 1:
                 raise UsageError(f"{what} must be 1 or more, got {count}")
+            if count > MOST:
+                raise UsageError(f"{what} must be {MOST} or fewer, got {count}")
         if not (self.rows and self.conditions and self.track_seeds):
             raise UsageError(f"{self.name}: there must be a row, a condition and a track")
         for kind, names in (

@@ -4,6 +4,7 @@ A rung says how far gates are off their places, which way the course turns, a fa
 and under [conditions] what the vehicle is told by `--condition` (docs/conditions.md).
 """
 
+import math
 import tomllib
 from dataclasses import dataclass
 from importlib.resources import files
@@ -16,6 +17,7 @@ from flightstack.evaluation.experiments.experiment import Condition
 from flightstack.tables import record_from_table
 from sitl.conditions import parse_conditions
 from sitl.errors import SitlError
+from sitl.world.track import MAX_HEIGHT_NOISE_M, MAX_RADIUS_NOISE_M
 
 CLIMB = (  # from the first rung up: what a reader of the ladder sees from left to right
     *("level1", "level2", "noise-2-4", "noise-3-5", "commands-1.6", "commands-2"),
@@ -24,6 +26,7 @@ CLIMB = (  # from the first rung up: what a reader of the ladder sees from left 
     *("anticlockwise", "double-gates", "double-gates-outside"),
 )
 SUFFIX = ".toml"
+MOST_NOISE_M = (MAX_RADIUS_NOISE_M, MAX_HEIGHT_NOISE_M)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,10 +69,7 @@ def parse_rung(name: str, text: str) -> tuple[Rung, Condition]:
     except (ValueError, SitlError) as error:
         text = str(error)
         raise UsageError(text if text.startswith(where) else f"{where}: {text}") from error
-    if len(rung.noise_m) != 2 or min(rung.noise_m) < 0.0:
-        raise UsageError(f"{where}: noise_m must be two numbers from 0, got {rung.noise_m}")
-    if not rung.command_factor > 0.0:
-        raise UsageError(f"{where}: command_factor must be above 0, got {rung.command_factor}")
+    _check(rung, where)
     condition = Condition(
         name=name,
         noise_m=rung.noise_m,
@@ -78,6 +78,19 @@ def parse_rung(name: str, text: str) -> tuple[Rung, Condition]:
         vehicle_options=_options(conditions),
     )
     return rung, condition
+
+
+def _check(rung: Rung, where: str) -> None:
+    """Refuse what the vehicle or the companion would refuse in flight."""
+    if len(rung.noise_m) != len(MOST_NOISE_M):
+        raise UsageError(f"{where}: noise_m must be two numbers, got {rung.noise_m}")
+    for noise_m, most_m in zip(rung.noise_m, MOST_NOISE_M, strict=True):
+        if not 0.0 <= noise_m <= most_m:
+            raise UsageError(f"{where}: noise_m must be from 0 to {most_m:g} here, got {noise_m}")
+    if not 0.0 < rung.command_factor < math.inf:
+        raise UsageError(
+            f"{where}: command_factor must be a number above 0, got {rung.command_factor}"
+        )
 
 
 def known_rungs() -> list[str]:

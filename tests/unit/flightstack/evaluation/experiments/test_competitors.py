@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import pytest
 
 from flightstack.errors import ModelError, UsageError
@@ -57,3 +59,12 @@ def test_what_cannot_fly_is_refused_before_anything_flies() -> None:
         make_rows(["nope/m9"], [])
     with pytest.raises(UsageError, match="policy 'cautious:Nobody' does not load"):
         make_brought_row("strong/m0", None, perception=None, policy="cautious:Nobody")
+
+
+def test_a_part_that_ends_python_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "leaves.py").write_text("def leave(**_):\n    raise SystemExit(3)\n")
+    with pytest.raises(UsageError, match=r"leaves:leave does not load: .* SystemExit\(3\)"):
+        make_brought_row("strong/m0", None, perception=None, policy="leaves:leave")

@@ -45,6 +45,8 @@ def test_factors_of_row_and_condition_multiply() -> None:
     [
         ({"trials": 0}, "trials must be 1 or more, got 0"),
         ({"laps": 0}, "laps must be 1 or more, got 0"),
+        ({"laps": 1_000_000_000}, "laps must be 1000 or fewer, got 1000000000"),
+        ({"trials": 1001}, "trials must be 1000 or fewer, got 1001"),
         ({"rows": ()}, "there must be a row"),
         ({"rows": (ROWS[0], ROWS[0])}, "row m0-mi-mode is asked for twice"),
         ({"conditions": (CONDITIONS[0], CONDITIONS[0])}, "condition level1 is asked for twice"),
