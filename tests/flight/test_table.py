@@ -83,6 +83,11 @@ def wait_for(process: subprocess.Popen[str], name: str) -> int:
     raise AssertionError(f"no process {name}")
 
 
+def parent(pid: int) -> int:
+    """Return who has started it."""
+    return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
+
+
 def assert_all_end(pids: dict[int, str]) -> None:
     """Expect that these end soon: fork servers see at once that nobody orders any more."""
     deadline_s = time.monotonic() + 10.0
@@ -147,6 +152,10 @@ def test_an_interrupted_table_resumes(alone: Path, tmp_path: Path) -> None:
             time.sleep(0.1)
         started = below(process.pid)
         os.killpg(process.pid, signal.SIGINT)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(timeout=0.3)
+            raise AssertionError("it ended before a second Ctrl-C")
+        os.killpg(process.pid, signal.SIGINT)  # of somebody impatient
         _, said = process.communicate(timeout=60.0)
         assert process.returncode == 130, said
     assert said.rstrip().endswith("interrupted")
@@ -159,6 +168,36 @@ def test_an_interrupted_table_resumes(alone: Path, tmp_path: Path) -> None:
     assert ended.code == 0, ended.stderr
     assert f"{len(first)} trials stand already" in ended.stderr
     assert rows(out) == rows(alone)
+
+
+def test_a_terminated_table_leaves_nothing_behind(tmp_path: Path) -> None:
+    out = tmp_path / "terminated"
+    with running(out, "--jobs=2", scratch=tmp_path) as process:
+        wait_for(process, "companion")
+        started = below(process.pid)
+        process.terminate()
+        _, said = process.communicate(timeout=60.0)
+        assert process.returncode == 128 + signal.SIGTERM, said
+    assert "Traceback" not in said
+    assert_all_end(started)
+    assert [path.name for path in tmp_path.iterdir()] == [out.name]
+
+
+def test_a_killed_worker_is_told_on_disk(alone: Path, tmp_path: Path) -> None:
+    out = tmp_path / "worker"
+    with running(out, "--jobs=2") as process:
+        server = parent(wait_for(process, "companion"))
+        os.kill(parent(server), signal.SIGKILL)
+        _, said = process.communicate(timeout=LIMIT_S)
+        assert process.returncode == 0, said
+    assert said.count("a worker process died: its trials are flown again") == 1
+    assert rows(out) == rows(alone)
+    assert traces(out) == traces(alone)
+    with (out / "trials.csv").open(newline="") as file:
+        assert sum(int(row["retries"]) for row in csv.DictReader(file)) == 2  # one a job
+    with (out / "times.csv").open(newline="") as file:
+        assert [row["deaths"] for row in csv.DictReader(file)].count("a worker process died") == 2
+    assert "2 flights died and were flown again" in (out / "results.md").read_text()
 
 
 def test_a_ray_cluster_gives_the_same_rows_though_a_worker_is_killed(

@@ -10,8 +10,9 @@ from rich.markdown import Markdown
 from flightstack.errors import UsageError
 from flightstack.evaluation.experiments import ray_backend
 from flightstack.evaluation.experiments.brought_code import code_of
+from flightstack.evaluation.experiments.crew import RAY
 from flightstack.evaluation.experiments.experiment import Experiment
-from flightstack.evaluation.experiments.flying import RAY, fly, models_of
+from flightstack.evaluation.experiments.flying import fly, models_of
 from flightstack.evaluation.experiments.folder import ROWS, Folder, read_trials
 from flightstack.evaluation.experiments.options import jobs_of
 from flightstack.evaluation.experiments.rows import TrialRow

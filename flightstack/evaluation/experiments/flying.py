@@ -1,30 +1,19 @@
 """Fly the trials of an experiment in parallel, and keep a row of each."""
 
-import atexit
-import functools
-import multiprocessing
-import signal
-import tempfile
-from collections.abc import Iterable, Iterator
-from pathlib import Path
-from typing import Any
-
-from joblib import Parallel, delayed
-from joblib.externals.loky.process_executor import TerminatedWorkerError
+import contextlib
+from collections import Counter
 
 from flightstack import models
 from flightstack.errors import FlightstackError, ModelError
-from flightstack.evaluation.experiments import ray_backend
-from flightstack.evaluation.experiments.experiment import Experiment, Trial
+from flightstack.evaluation.experiments.crew import LOKY, WORKER_DIED, Crew
+from flightstack.evaluation.experiments.experiment import Experiment, Key, Trial
 from flightstack.evaluation.experiments.folder import Folder
 from flightstack.evaluation.experiments.progress import Progress
 from flightstack.evaluation.experiments.rows import TrialRow
+from flightstack.evaluation.experiments.stopping import stopping_once
 from flightstack.evaluation.experiments.version import commit
-from flightstack.evaluation.flights.flight import Flown, Launcher
 from flightstack.evaluation.flights.reading import Provenance
 
-LOKY, RAY = "loky", "ray"
-Order = tuple[Trial, Provenance]
 WORKER_DEATHS = 3
 
 
@@ -48,25 +37,26 @@ def fly(
 
     Raises UnflownError after all others are flown, where trials died in every attempt.
     """
-    weights = _weights_of(experiment)
-    version = commit()
-    dead: list[Flown] = []
-    with folder.locked(), Progress(len(folder.missing), len(folder.rows)) as progress:
-        _tell_other_commits(folder.rows, version, progress)
+    weights, version = _weights_of(experiment), commit()
+    losses: Counter[Key] = Counter()  # of flights, by the death of a worker
+    given_up: set[Key] = set()
+    with stopping_once(), folder.locked(), _progress(folder, version) as progress:
         for _ in range(WORKER_DEATHS):
-            given_up = {flown.trial.key for flown in dead}
             trials = [trial for trial in folder.missing if trial.key not in given_up]
+            if not trials:
+                break
+            crew = Crew(jobs, backend, keep_logs=keep_logs)
             orders = ((trial, _provenance(experiment, trial, weights, version)) for trial in trials)
-            try:
-                for flown in _in_parallel(orders, jobs, backend, keep_logs=keep_logs):
-                    folder.keep(flown)
+            with contextlib.closing(crew.fly(orders)) as flights:
+                for flown in flights:
+                    folder.keep(flown.after(losses[flown.trial.key]))
                     progress.note(flown)
-                    if flown.landed is None:
-                        dead.append(flown)
-            except (TerminatedWorkerError, *ray_backend.worker_deaths()):
-                progress.say("a worker process died: its trials are flown again")
-                continue
-            break
+                    given_up |= {flown.trial.key} if flown.landed is None else set()
+            if crew.has_died:
+                progress.say(f"{WORKER_DIED}: its trials are flown again")
+            for flown in crew.lost:
+                folder.keep(flown)
+                losses[flown.trial.key] += 1
         folder.tidy()
     if folder.missing:
         raise UnflownError(
@@ -76,44 +66,13 @@ def fly(
     return folder.rows
 
 
-def _tell_other_commits(standing: Iterable[TrialRow], today: str, progress: Progress) -> None:
-    others = sorted({row.commit for row in standing} - {today})
+def _progress(folder: Folder, today: str) -> Progress:
+    """Begin to count; tell where rows that stand are of other commits than today's."""
+    progress = Progress(len(folder.missing), len(folder.rows))
+    others = sorted({row.commit for row in folder.rows} - {today})
     if others:
         progress.say(f"those that stand were flown by commit {', '.join(others)}, not by {today}")
-
-
-def _in_parallel(
-    orders: Iterable[Order], jobs: int, backend: str, *, keep_logs: bool
-) -> Iterator[Flown]:
-    settings: dict[str, Any] = {"n_jobs": jobs, "batch_size": 1, "pre_dispatch": "2*n_jobs"}
-    if backend == RAY:
-        ray_backend.register()
-        settings |= {"backend": ray_backend.NAME}
-    parallel = Parallel(return_as="generator_unordered", **settings)
-    with tempfile.TemporaryDirectory(
-        prefix="flightstack-trials-", ignore_cleanup_errors=True
-    ) as scratch:  # here, not in the workers: those that are killed cannot tidy up
-        try:
-            yield from parallel(delayed(_fly_one)(order, scratch, keep_logs) for order in orders)
-        finally:
-            _launcher().close()  # which has flown where one job needs no worker
-
-
-def _fly_one(order: Order, scratch: str, keep_log: bool) -> Flown:  # noqa: FBT001
-    trial, provenance = order
-    launcher = _launcher()
-    launcher.scratch = Path(scratch) if Path(scratch).is_dir() else None  # on another machine
-    return launcher.fly(trial, provenance, keep_log=keep_log)
-
-
-@functools.cache
-def _launcher() -> Launcher:
-    """Return this worker's own."""
-    if multiprocessing.parent_process() is not None:  # a Ctrl-C is for the command alone
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-    launcher = Launcher()
-    atexit.register(launcher.close)
-    return launcher
+    return progress
 
 
 def _provenance(

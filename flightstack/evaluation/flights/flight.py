@@ -5,7 +5,7 @@ import tempfile
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from flightstack.errors import FlightstackError, ModelError, UsageError
 from flightstack.evaluation.experiments.experiment import Trial
@@ -17,7 +17,7 @@ from flightstack.evaluation.flights.command_lines import (
     vehicle_arguments,
 )
 from flightstack.evaluation.flights.errors import FlightDiedError
-from flightstack.evaluation.flights.fork_server import COMPANION, VEHICLE
+from flightstack.evaluation.flights.fork_server import COMPANION, CRASHED, VEHICLE
 from flightstack.evaluation.flights.ports import Ports
 from flightstack.evaluation.flights.reading import Provenance, read_flight
 from flightstack.evaluation.flights.trace import Trace
@@ -54,6 +54,13 @@ class Flown:
     landed: Landed | None
     deaths: tuple[str, ...]  # why each earlier attempt gave no row
     wall_s: float  # of all attempts
+
+    def after(self, deaths: int) -> Self:
+        """Count so many more flights that died before, with the worker that flew them."""
+        if self.landed is None:
+            return self
+        row = replace(self.landed.row, retries=self.landed.row.retries + deaths)
+        return replace(self, landed=replace(self.landed, row=row))
 
 
 class Launcher:
@@ -95,7 +102,7 @@ class Launcher:
                 "folder": name,
                 "limit_s": START_S + LAP_LIMIT_S * trial.laps / SLOWEST,
             }
-            result = _result(self._warm().fly(order), folder)
+            result = _result(trial, self._warm().fly(order), folder)
             try:
                 row, trace = read_flight(trial, provenance, result, folder / LOG)
             except FlightstackError as error:
@@ -117,16 +124,21 @@ class Launcher:
         return self._server
 
 
-def _result(exits: dict[str, int | None], folder: Path) -> dict[str, Any]:
+def _result(trial: Trial, exits: dict[str, int | None], folder: Path) -> dict[str, Any]:
     """Read the companion's result; raises FlightDiedError where the flight was none.
 
-    Raises UsageError or ModelError where a process refused its command line or its model.
+    Raises UsageError or ModelError where a process refused its command line or its model, and
+    UsageError where the companion raised what nobody expected, such as a brought policy's error.
     """
     words = {name: words_of(folder, name) for name in (VEHICLE, COMPANION)}
     for name, code in exits.items():
         if code in EXITS:
             raise EXITS[code](last_line(words[name]))
     code = exits[COMPANION]
+    if code == CRASHED:  # by an exception of its own, which the same flight raises again
+        raise UsageError(
+            f"{trial} cannot be flown: who flies it raised {last_line(words[COMPANION])}"
+        )
     if code is None and exits[VEHICLE] is None:
         raise FlightDiedError("it took too long")
     if code is None:

@@ -13,6 +13,7 @@ from flightstack.evaluation.flights.errors import FlightDiedError
 
 MODULE = "flightstack.evaluation.flights.fork_server"
 ENDS_S = 5.0
+BANNER = "pybullet build time:"
 
 
 class WarmServer:
@@ -70,8 +71,9 @@ class WarmServer:
 
 
 def last_line(text: str) -> str:
-    """Pick the last line, or say that there is none."""
-    return text.rstrip().rpartition("\n")[2] or "it said nothing"
+    """Pick the last line that is no library's banner, or say that there is none."""
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith(BANNER)]
+    return lines[-1] if lines else "it said nothing"
 
 
 def words_of(folder: Path, name: str) -> str:
