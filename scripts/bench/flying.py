@@ -7,7 +7,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PROFILED = Path(__file__).with_name("profiled.py")
 ROLES = ("vehicle", "companion")
 LIMIT_S = 600.0
+Figures = dict[str, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,6 +70,41 @@ def add_flight_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--track-seed", type=int, default=0)
     parser.add_argument("--noise", default="0,0", metavar="GRN,GHN")
     parser.add_argument("--model")
+
+
+def add_comparison_options(parser: argparse.ArgumentParser) -> None:
+    """Which other code is flown in turns with this one."""
+    parser.add_argument("--against", metavar="COMMIT", help="print another commit's cost beside")
+    parser.add_argument(
+        "--rounds", type=int, choices=range(1, 100), default=4, help="flights of each code"
+    )
+
+
+def in_turns(
+    commit: str, rounds: int, measure: Callable[[Path], Figures]
+) -> dict[str, list[Figures]]:
+    """Measure a commit's code and this one in turns, now the one first, now the other."""
+    measured: dict[str, list[Figures]] = {commit: [], "here": []}
+    with checked_out(commit) as other:
+        turns = [(commit, other), ("here", ROOT)]
+        for _ in range(rounds):
+            for name, root in turns:
+                measured[name].append(measure(root))
+            turns.reverse()
+    return measured
+
+
+@contextlib.contextmanager
+def checked_out(commit: str) -> Iterator[Path]:
+    """Have a commit's files in a folder for a while."""
+    git = ("git", "-C", str(ROOT), "worktree")
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder, "code")
+        subprocess.run([*git, "add", "--quiet", "--detach", str(root), commit], check=True)
+        try:
+            yield root
+        finally:
+            subprocess.run([*git, "remove", "--force", str(root)], check=True)
 
 
 @contextlib.contextmanager

@@ -11,13 +11,10 @@ least cost of each side by side, with their ratio. Wall times say something on a
 """
 
 import argparse
-import contextlib
 import json
 import os
 import subprocess
 import sys
-import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 
 from rich.console import Console
@@ -31,8 +28,10 @@ from scripts.bench.flying import (  # noqa: E402
     ROLES,
     Report,
     Stretch,
+    add_comparison_options,
     add_flight_options,
     fly_together,
+    in_turns,
 )
 
 TICK_PARTS = ("autopilot", "physics", "referee, estimate")  # of the vehicle
@@ -117,13 +116,11 @@ def frame_figures(options: argparse.Namespace, root: Path) -> dict[str, float]:
 
 def compare(console: Console, options: argparse.Namespace, commit: str) -> None:
     """Fly this code and a commit's in turns; print what each cost at its least, and the ratio."""
-    flown: dict[str, list[dict[str, float]]] = {commit: [], "here": []}
-    with checked_out(commit) as other:
-        turns = [(commit, other), ("here", ROOT)]
-        for _ in range(options.rounds):
-            for name, root in turns:
-                flown[name].append(tick_figures(options, root) | frame_figures(options, root))
-            turns.reverse()
+    flown = in_turns(
+        commit,
+        options.rounds,
+        lambda root: tick_figures(options, root) | frame_figures(options, root),
+    )
     title = f"The least of {options.rounds} flights each, CPU time unless it says wall"
     table = Table(title=title, title_justify="left")
     table.add_column("")
@@ -135,27 +132,11 @@ def compare(console: Console, options: argparse.Namespace, commit: str) -> None:
     console.print(table)
 
 
-@contextlib.contextmanager
-def checked_out(commit: str) -> Iterator[Path]:
-    """Have a commit's files in a folder for a while."""
-    git = ("git", "-C", str(ROOT), "worktree")
-    with tempfile.TemporaryDirectory() as folder:
-        root = Path(folder, "code")
-        subprocess.run([*git, "add", "--quiet", "--detach", str(root), commit], check=True)
-        try:
-            yield root
-        finally:
-            subprocess.run([*git, "remove", "--force", str(root)], check=True)
-
-
 def main() -> int:
     """Fly, and print the tables."""
     parser = argparse.ArgumentParser(prog="lockstep.py", description=(__doc__ or "").split("\n")[0])
     add_flight_options(parser)
-    parser.add_argument("--against", metavar="COMMIT", help="print another commit's cost beside")
-    parser.add_argument(
-        "--rounds", type=int, choices=range(1, 100), default=4, help="flights of each code"
-    )
+    add_comparison_options(parser)
     options = parser.parse_args()
     console = Console(width=78)
     console.print(f"load of this machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")

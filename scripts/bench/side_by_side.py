@@ -1,9 +1,11 @@
 """Measure what flights cost that are flown side by side: simulated seconds a wall second in all.
 
     python scripts/bench/side_by_side.py [--flights 2] [--laps 4] [--track-seed 0] [--noise 0,0]
+                                         [--against COMMIT [--rounds 4]]
 
 Each flight is a vehicle and a companion in lockstep, as fast as they can. Counted is the stretch in
-which the networks of all of them flew, by CPU time, which other load disturbs least.
+which the networks of all of them flew, by CPU time, which other load disturbs least. With a commit
+it flies that commit's code in turns with this one, and prints the greatest speed of each.
 """
 
 import argparse
@@ -16,7 +18,17 @@ from rich.table import Table
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from scripts.bench.flying import ROLES, Report, add_flight_options, fly_together
+from scripts.bench.flying import (
+    ROLES,
+    Figures,
+    Report,
+    add_comparison_options,
+    add_flight_options,
+    fly_together,
+    in_turns,
+)
+
+SPEED = "simulated seconds a wall second"
 
 
 def print_flights(console: Console, reports: list[Report], start_s: float, end_s: float) -> None:
@@ -36,9 +48,24 @@ def print_flights(console: Console, reports: list[Report], start_s: float, end_s
             str(number), *(f"{cost:.2f}" for cost in (*costs, sum(costs))), f"{speed:.1f}"
         )
     console.print(table)
-    console.print(
-        f"in all: [bold]{flown_s / (end_s - start_s):.1f} simulated seconds a wall second[/bold]"
-    )
+    console.print(f"in all: [bold]{flown_s / (end_s - start_s):.1f} {SPEED}[/bold]")
+
+
+def common_stretch(reports: list[Report]) -> tuple[float, float]:
+    """Give the wall times between which the networks of all flights flew; exits without any."""
+    flown = [report.flown for report in reports]
+    start_s, end_s = max(start for start, _ in flown), min(end for _, end in flown)
+    if end_s - start_s < 1.0:
+        sys.exit("side_by_side.py: the flights hardly met: no figures")
+    return start_s, end_s
+
+
+def measure_speed(options: argparse.Namespace, root: Path) -> Figures:
+    """Fly with the code at `root`."""
+    reports = fly_together(options, options.flights, parts=False, root=root)
+    start_s, end_s = common_stretch(reports)
+    flown_s = sum(report.frames(start_s, end_s)[1] for report in reports)
+    return {SPEED: flown_s / (end_s - start_s)}
 
 
 def main() -> int:
@@ -47,17 +74,20 @@ def main() -> int:
         prog="side_by_side.py", description=(__doc__ or "").split("\n")[0]
     )
     add_flight_options(parser)
+    add_comparison_options(parser)
     parser.add_argument("--flights", type=int, default=2, help="how many at once (default 2)")
     options = parser.parse_args()
     console = Console(width=78)
     console.print(f"load of this machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
+    if options.against:
+        speeds = in_turns(
+            options.against, options.rounds, lambda root: measure_speed(options, root)
+        )
+        for name, found in speeds.items():
+            console.print(f"{name}: {max(each[SPEED] for each in found):.1f} {SPEED} at best")
+        return 0
     reports = fly_together(options, options.flights, parts=False)
-    flown = [report.flown for report in reports]
-    start_s, end_s = max(start for start, _ in flown), min(end for _, end in flown)
-    if end_s - start_s < 1.0:
-        print("side_by_side.py: the flights hardly met: no figures", file=sys.stderr)
-        return 1
-    print_flights(console, reports, start_s, end_s)
+    print_flights(console, reports, *common_stretch(reports))
     return 0
 
 
