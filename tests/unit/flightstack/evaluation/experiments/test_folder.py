@@ -106,11 +106,16 @@ def test_refuses_the_folder_of_other_code(tmp_path: Path) -> None:
 
 
 def test_takes_up_a_folder_that_was_made_before_code_was_asked(tmp_path: Path) -> None:
-    Folder(tmp_path, experiment(), MODELS)
+    folder = Folder(tmp_path, experiment(), MODELS)
+    folder.keep(landed(folder.missing[0]))
     asked = json.loads((tmp_path / "experiment.json").read_text())
     del asked["code"]
     (tmp_path / "experiment.json").write_text(json.dumps(asked))
-    Folder(tmp_path, experiment(), MODELS)
+    again = Folder(tmp_path, experiment(), MODELS)
+    assert [row.key for row in again.rows] == [row.key for row in folder.rows]
+    assert again.missing == folder.missing
+    with pytest.raises(UsageError, match="other code"):
+        Folder(tmp_path, experiment(), MODELS, {"mine:Good": "ab"})
 
 
 def test_refuses_a_folder_of_other_things(tmp_path: Path) -> None:
