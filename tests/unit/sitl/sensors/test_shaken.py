@@ -112,12 +112,14 @@ def test_errors_are_as_large_as_is_told() -> None:
         for each_force, each_rate in zip(force, rates, strict=True):
             drift.feel(tuple(each_force), tuple(each_rate))
             drift.advance(**AIDED)
-    velocity = np.array([drift.velocity_ned for drift in errors]).std(axis=0)
     five_sigma = 5.0 / math.sqrt(2 * len(errors))
-    assert math.hypot(*velocity[:2]) / math.sqrt(2.0) == pytest.approx(
-        shaken.VELOCITY_STD_M_S[0], rel=five_sigma
-    )
-    assert velocity[2] == pytest.approx(shaken.VELOCITY_STD_M_S[1], rel=five_sigma)
+    for figure, (horizontal, vertical) in {
+        "position_ned": shaken.POSITION_STD_M,
+        "velocity_ned": shaken.VELOCITY_STD_M_S,
+    }.items():
+        x, y, z = np.array([getattr(drift, figure) for drift in errors]).std(axis=0)
+        assert math.hypot(x, y) / math.sqrt(2.0) == pytest.approx(horizontal, rel=five_sigma)
+        assert z == pytest.approx(vertical, rel=five_sigma)
 
 
 @pytest.mark.parametrize("aids", [AIDED, {**AIDED, "z_aided": False}])
