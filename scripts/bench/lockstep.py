@@ -7,12 +7,14 @@ Flies vehicle and companion as two processes over their sockets, as fast as they
 are, for the real-time factor from the first frame to the disarming; and once with their parts
 timed, for the CPU time of every part in the stretch in which the network flew. With a commit it
 flies that commit's code in turns with this one, now the one first, now the other, and prints the
-least cost of each side by side, with their ratio. Wall times say something on an idle machine only.
+least cost of each side by side, with their ratio, and the median of the ratios of all turns, which
+other load disturbs alike. Wall times say something on an idle machine only.
 """
 
 import argparse
 import json
 import os
+import statistics
 import subprocess
 import sys
 from pathlib import Path
@@ -115,20 +117,26 @@ def frame_figures(options: argparse.Namespace, root: Path) -> dict[str, float]:
 
 
 def compare(console: Console, options: argparse.Namespace, commit: str) -> None:
-    """Fly this code and a commit's in turns; print what each cost at its least, and the ratio."""
+    """Fly this code and a commit's in turns; print what each cost at its least, and the ratios."""
     flown = in_turns(
         commit,
         options.rounds,
         lambda root: tick_figures(options, root) | frame_figures(options, root),
     )
-    title = f"The least of {options.rounds} flights each, CPU time unless it says wall"
+    title = f"The least of {options.rounds} flights each; CPU time unless it says wall"
     table = Table(title=title, title_justify="left")
     table.add_column("")
-    for name in (*flown, "ratio"):
+    for name in (*flown, "ratio", "by turn"):
         table.add_column(name, justify="right")
     for figure in flown[commit][0]:
-        there, here = (min(f[figure] for f in flights) for flights in flown.values())
-        table.add_row(figure, f"{there:.2f}", f"{here:.2f}", f"{here / there:.2f}")
+        there, here = ([flight[figure] for flight in flights] for flights in flown.values())
+        least_there, least_here = min(there), min(here)
+        by_turn = statistics.median(b / a for a, b in zip(there, here, strict=True))
+        table.add_row(
+            figure,
+            *(f"{least_there:.2f}", f"{least_here:.2f}"),
+            *(f"{least_here / least_there:.2f}", f"{by_turn:.2f}"),
+        )
     console.print(table)
 
 
