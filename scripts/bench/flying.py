@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import itertools
 import json
 import os
 import subprocess
@@ -42,6 +43,11 @@ class Report:
     def flown(self) -> tuple[float, float]:
         """Wall times of the first and the last decision."""
         return self.decided[0][0], self.decided[-1][0]
+
+    @property
+    def frame_times_s(self) -> list[float]:
+        """Wall time from each decision to the next."""
+        return [after - before for (before, _), (after, _) in itertools.pairwise(self.decided)]
 
     def stretch(self, role: str, start_s: float, end_s: float) -> Stretch:
         """Subtract the snapshots at both ends."""

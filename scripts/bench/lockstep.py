@@ -112,8 +112,12 @@ def frame_figures(options: argparse.Namespace, root: Path) -> dict[str, float]:
         for role in ROLES
     }
     both = sum(costs.values())
-    wall_s = (end_s - start_s) / vehicle_s
-    return {**costs, "both, ms a frame": both, "wall time, ms a simulated s": wall_s * 1e3}
+    return {
+        **costs,
+        "both, ms a frame": both,
+        "wall time, ms a simulated s": (end_s - start_s) / vehicle_s * 1e3,
+        "wall time, ms the median frame": statistics.median(report.frame_times_s) * 1e3,
+    }
 
 
 def compare(console: Console, options: argparse.Namespace, commit: str) -> None:

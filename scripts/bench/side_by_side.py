@@ -5,11 +5,13 @@
 
 Each flight is a vehicle and a companion in lockstep, as fast as they can. Counted is the stretch in
 which the networks of all of them flew, by CPU time, which other load disturbs least. With a commit
-it flies that commit's code in turns with this one, and prints the greatest speed of each.
+it flies that commit's code in turns with this one, and prints the greatest speed of each, and the
+median of the ratios of all turns.
 """
 
 import argparse
 import os
+import statistics
 import sys
 from pathlib import Path
 
@@ -49,6 +51,15 @@ def print_flights(console: Console, reports: list[Report], start_s: float, end_s
     console.print(f"in all: [bold]{speed_in_all(reports, start_s, end_s):.1f} {SPEED}[/bold]")
 
 
+def print_speeds(console: Console, speeds: dict[str, list[float]]) -> None:
+    """Print the greatest speed of each of two codes, and how many times faster the second is."""
+    for name, found in speeds.items():
+        console.print(f"{name}: {max(found):.1f} {SPEED} at best")
+    there, here = speeds.values()
+    ratio = statistics.median(b / a for a, b in zip(there, here, strict=True))
+    console.print(f"by turn: [bold]{ratio:.2f}[/bold] times as fast")
+
+
 def speed_in_all(reports: list[Report], start_s: float, end_s: float) -> float:
     """Add up what all flights flew between two wall times; simulated seconds a wall second."""
     return sum(report.frames(start_s, end_s)[1] for report in reports) / (end_s - start_s)
@@ -84,8 +95,9 @@ def main() -> int:
         speeds = in_turns(
             options.against, options.rounds, lambda root: measure_speed(options, root)
         )
-        for name, found in speeds.items():
-            console.print(f"{name}: {max(each[SPEED] for each in found):.1f} {SPEED} at best")
+        print_speeds(
+            console, {name: [each[SPEED] for each in found] for name, found in speeds.items()}
+        )
         return 0
     reports = fly_together(options, options.flights, parts=False)
     print_flights(console, reports, *common_stretch(reports))
