@@ -13,9 +13,7 @@ class RateControl:
     """Turns a body rate error into normalised torques, -1..1."""
 
     def __init__(self, parameters: Parameters) -> None:
-        self._integral = [0.0, 0.0, 0.0]
-        self._acceleration = [0.0, 0.0, 0.0]  # rad/s2, low-passed
-        self._previous: Vector3 | None = None
+        self._axes = (_Axis(), _Axis(), _Axis())
         self._yaw_torque = 0.0
         self._dt_s = 0.0
         self.load(parameters)
@@ -23,23 +21,16 @@ class RateControl:
     def load(self, parameters: Parameters) -> None:
         """Take gains and limits from the parameters."""
         p = parameters
-        self._gains = tuple(
-            (
-                p[f"MC_{axis}RATE_P"],
-                p[f"MC_{axis}RATE_I"],
-                p[f"MC_{axis}RATE_D"],
-                p[f"MC_{axis[0]}R_INT_LIM"],
-            )
-            for axis in ("ROLL", "PITCH", "YAW")
-        )
+        for axis, name in zip(self._axes, ("ROLL", "PITCH", "YAW"), strict=True):
+            axis.p, axis.i, axis.d = (p[f"MC_{name}RATE_{letter}"] for letter in "PID")
+            axis.limit = p[f"MC_{name[0]}R_INT_LIM"]
         self._cutoffs_hz = (p["IMU_DGYRO_CUTOFF"], p["MC_YAW_TQ_CUTOFF"])
         self._dt_s = 0.0
 
     def reset(self) -> None:
         """Forget the past, as PX4 does while disarmed."""
-        self._integral = [0.0, 0.0, 0.0]
-        self._acceleration = [0.0, 0.0, 0.0]
-        self._previous = None
+        for axis in self._axes:
+            axis.reset()
         self._yaw_torque = 0.0
 
     def update(
@@ -55,24 +46,52 @@ class RateControl:
         if dt_s != self._dt_s:
             self._dt_s = dt_s
             self._d_gain, self._yaw_gain = (low_pass_gain(f, dt_s) for f in self._cutoffs_hz)
-        previous = self._previous or rates
-        self._previous = rates
-        integral, acceleration, torque = self._integral, self._acceleration, [0.0, 0.0, 0.0]
-        for axis in (0, 1, 2):
-            p, i, d, limit = self._gains[axis]
-            acceleration[axis] += self._d_gain * (
-                (rates[axis] - previous[axis]) / dt_s - acceleration[axis]
-            )
-            error = wanted[axis] - rates[axis]
-            torque[axis] = p * error + integral[axis] - d * acceleration[axis]
-            if not landed and error * saturated[axis] <= 0.0:
-                fade = max(0.0, 1.0 - (error / INTEGRAL_FADE_RAD_S) ** 2)
-                value = integral[axis] + fade * i * error * dt_s
-                integral[axis] = min(max(value, -limit), limit)
+        (roll, pitch, yaw), gain, learns = self._axes, self._d_gain, not landed
+        x = roll.update(rates[0], wanted[0], dt_s, gain, learns=learns, saturated=saturated[0])
+        y = pitch.update(rates[1], wanted[1], dt_s, gain, learns=learns, saturated=saturated[1])
+        z = yaw.update(rates[2], wanted[2], dt_s, gain, learns=learns, saturated=saturated[2])
         # The slow yaw torque is smoothed: rotors give it through their drag.
-        self._yaw_torque += self._yaw_gain * (torque[2] - self._yaw_torque)
-        return (
-            min(max(torque[0], -1.0), 1.0),
-            min(max(torque[1], -1.0), 1.0),
-            min(max(self._yaw_torque, -1.0), 1.0),
-        )
+        z = self._yaw_torque = self._yaw_torque + self._yaw_gain * (z - self._yaw_torque)
+        return (_limit(x, 1.0), _limit(y, 1.0), _limit(z, 1.0))
+
+
+class _Axis:
+    """One axis' controller: its gains, integral, and angular acceleration (rad/s2, low-passed)."""
+
+    __slots__ = ("_acceleration", "_integral", "_previous", "d", "i", "limit", "p")
+
+    def __init__(self) -> None:
+        self.p = self.i = self.d = self.limit = 0.0
+        self.reset()
+
+    def reset(self) -> None:
+        self._integral = self._acceleration = 0.0
+        self._previous: float | None = None
+
+    def update(
+        self,
+        rate: float,
+        wanted: float,
+        dt_s: float,
+        gain: float,
+        *,
+        learns: bool,
+        saturated: float,
+    ) -> float:
+        """Give the torque; `gain` is that of the acceleration's low pass."""
+        previous = rate if self._previous is None else self._previous
+        self._previous = rate
+        acceleration = self._acceleration
+        acceleration += gain * ((rate - previous) / dt_s - acceleration)
+        self._acceleration = acceleration
+        error, integral = wanted - rate, self._integral
+        if learns and error * saturated <= 0.0:
+            fade = 1.0 - (error / INTEGRAL_FADE_RAD_S) ** 2
+            if fade > 0.0:
+                self._integral = _limit(integral + fade * self.i * error * dt_s, self.limit)
+        return self.p * error + integral - self.d * acceleration
+
+
+def _limit(value: float, most: float) -> float:
+    """Keep within -most..most; NaN stays."""
+    return -most if value < -most else most if value > most else value
