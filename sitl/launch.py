@@ -44,7 +44,7 @@ def launch(options: Options) -> int:
     with ExitStack() as stack:
         guard = _make_guard(options)
         links = _open_links(options, guard, stack)
-        boot = heartbeat(Mode.HOLD.custom_mode, Mode.HOLD.value.base, MAV_STATE_UNINIT)
+        boot = heartbeat(Mode.HOLD.custom_mode, Mode.HOLD.base_mode, MAV_STATE_UNINIT)
         for link in links:
             link.send(boot)
         with quiet_outputs():

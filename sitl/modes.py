@@ -24,6 +24,12 @@ class Encoding(NamedTuple):
 class Mode(Enum):
     """A navigation state. The values are what HEARTBEAT shows (seen from a running PX4 1.17)."""
 
+    def __init__(self, main: int, sub: int, base: int) -> None:
+        self.base_mode = base
+        self.custom_mode = main << 16 | sub << 24  # HEARTBEAT.custom_mode, as PX4 packs it
+
+    __hash__ = object.__hash__  # modes are looked up at every tick: that of enumerations is slow
+
     MANUAL = Encoding(1, 0, BASE_CUSTOM | BASE_MANUAL | BASE_ATTITUDE)
     ALTCTL = Encoding(2, 0, BASE_CUSTOM | BASE_MANUAL | BASE_ATTITUDE)
     POSCTL = Encoding(3, 0, BASE_CUSTOM | BASE_MANUAL | BASE_ATTITUDE)
@@ -38,11 +44,6 @@ class Mode(Enum):
     OFFBOARD = Encoding(MAIN_OFFBOARD, 0, BASE_CUSTOM)  # + attitude while setpoints arrive
     STABILIZED = Encoding(7, 0, BASE_CUSTOM | BASE_MANUAL | BASE_ATTITUDE)
     TERMINATION = Encoding(10, 0, BASE_CUSTOM)
-
-    @property
-    def custom_mode(self) -> int:
-        """HEARTBEAT.custom_mode, as PX4 packs it: main in bits 16..23, sub in bits 24..31."""
-        return self.value.main << 16 | self.value.sub << 24
 
 
 def mode_of(main: int, sub: int) -> Mode | None:

@@ -2,6 +2,8 @@
 
 import math
 from dataclasses import dataclass
+from math import isnan
+from typing import NamedTuple
 
 from sitl.modes import Mode
 from sitl.records import Quaternion, Vector3
@@ -62,8 +64,7 @@ class Sticks:
     turn: float  # to the right
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SetpointEcho:
+class SetpointEcho(NamedTuple):
     """What the controller follows now: POSITION_TARGET_LOCAL_NED and ATTITUDE_TARGET."""
 
     time_us: int
@@ -79,19 +80,24 @@ class SetpointEcho:
     @property
     def type_mask(self) -> int:
         """POSITION_TARGET_TYPEMASK: a bit for each number that is NaN."""
-        numbers = (
-            *self.position_ned,
-            *self.velocity_ned,
-            *self.acceleration_ned,
-            0.0,  # bit 9 is the FORCE flag
-            self.yaw_rad,
-            self.yaw_rate_rad_s,
+        (x, y, z), (vx, vy, vz) = self.position_ned, self.velocity_ned
+        ax, ay, az = self.acceleration_ned
+        return (
+            isnan(x)
+            | isnan(y) << 1
+            | isnan(z) << 2
+            | isnan(vx) << 3
+            | isnan(vy) << 4
+            | isnan(vz) << 5
+            | isnan(ax) << 6
+            | isnan(ay) << 7
+            | isnan(az) << 8  # bit 9 is the FORCE flag
+            | isnan(self.yaw_rad) << 10
+            | isnan(self.yaw_rate_rad_s) << 11
         )
-        return sum(1 << bit for bit, number in enumerate(numbers) if math.isnan(number))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class VehicleStatus:
+class VehicleStatus(NamedTuple):
     """What the autopilot tells the world about itself."""
 
     time_us: int
@@ -110,6 +116,6 @@ class VehicleStatus:
     attitude_valid: bool
     position_valid: bool
     altitude_valid: bool
-    battery_warning: int = 0  # 0 fine, 1 low, 2 critical, 3 emergency
     throttle: float  # 0..1, collective
     actuator_outputs: tuple[int, int, int, int]  # us, as SERVO_OUTPUT_RAW: 900 when disarmed
+    battery_warning: int = 0  # 0 fine, 1 low, 2 critical, 3 emergency

@@ -174,7 +174,7 @@ class Commander:
     @property
     def base_mode(self) -> int:
         """HEARTBEAT.base_mode."""
-        base = self.mode.value.base | (BASE_ARMED if self.armed else 0)
+        base = self.mode.base_mode | (BASE_ARMED if self.armed else 0)
         if self.mode is Mode.OFFBOARD and self.health.offboard_available:
             base |= BASE_ATTITUDE
         return base

@@ -15,7 +15,9 @@ from sitl.mavlink.dialect import Message, mavlink
 
 MAGIC_V1, MAGIC_V2 = 0xFE, 0xFD
 HEADER_V1, HEADER_V2 = 6, 10  # bytes
-HEADER = struct.Struct("<BBBBBBBHB")  # the 24-bit message id as 16 + 8
+START = bytes((MAGIC_V2,))
+HEADER = struct.Struct("<BBBBBBHB")  # after the start; the 24-bit message id as 16 + 8
+EXTRAS = tuple(bytes((extra,)) for extra in range(256))  # CRC_EXTRA as the checksum takes it
 CHECKSUM = struct.Struct("<H")
 SIGNED = 0x01  # the one incompatibility flag that is defined
 SIGNATURE_BYTES = 13
@@ -60,21 +62,10 @@ def frame(
 ) -> bytes:
     """Wrap a packet in MAVLink 2 header and checksum; a signature is still to be added."""
     message_id, payload, crc_extra = packet
-    body = (
-        HEADER.pack(
-            MAGIC_V2,
-            len(payload),
-            SIGNED if is_signed else 0,
-            0,
-            sequence,
-            system,
-            component,
-            message_id & 0xFFFF,
-            message_id >> 16,
-        )
-        + payload
-    )
-    return body + CHECKSUM.pack(_checksum(body[1:] + bytes((crc_extra,))))
+    flags = SIGNED if is_signed else 0
+    low, high = message_id & 0xFFFF, message_id >> 16
+    body = HEADER.pack(len(payload), flags, 0, sequence, system, component, low, high) + payload
+    return START + body + CHECKSUM.pack(_checksum(body + EXTRAS[crc_extra]))
 
 
 def split(datagram: bytes) -> list[Received]:

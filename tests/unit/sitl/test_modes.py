@@ -24,12 +24,12 @@ OBSERVED = [
 @pytest.mark.parametrize(("mode", "custom_mode", "base_mode"), OBSERVED)
 def test_encoding(mode, custom_mode, base_mode):
     assert mode.custom_mode == custom_mode
-    assert mode.value.base == base_mode
+    assert mode.base_mode == base_mode
 
 
 def test_armed_flag():
-    assert Mode.HOLD.value.base | BASE_ARMED == 157
-    assert Mode.POSCTL.value.base | BASE_ARMED == 209
+    assert Mode.HOLD.base_mode | BASE_ARMED == 157
+    assert Mode.POSCTL.base_mode | BASE_ARMED == 209
 
 
 @pytest.mark.parametrize("mode", list(Mode))

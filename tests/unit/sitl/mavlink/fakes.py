@@ -1,6 +1,6 @@
 """A vehicle without physics, and a link without sockets."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 from sitl.errors import UsageError
@@ -184,7 +184,7 @@ class FakeAutopilot:
         return texts
 
     def change(self, **changes: Any) -> None:
-        self.status = replace(self.status, **changes)
+        self.status = self.status._replace(**changes)
 
 
 class FakeVehicle:
