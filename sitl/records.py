@@ -106,6 +106,13 @@ class Gate:
     yaw_rad: float  # heading of the axis along which the gate is to be passed, NED
 
 
+class FrameStamp(NamedTuple):
+    """When an image was taken, and its number."""
+
+    time_us: int
+    sequence: int
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Frame:
     """One camera image."""

@@ -20,7 +20,7 @@ from sitl.mavlink.link import Link
 from sitl.mavlink.refusals import Refusals
 from sitl.mavlink.tlog import TlogWriter
 from sitl.pacing import Pace
-from sitl.records import Frame
+from sitl.records import Frame, FrameStamp
 from sitl.video import VideoSender
 
 MAX_WAIT_S = 0.1  # so that a signal is soon seen
@@ -47,6 +47,10 @@ class Simulation(Protocol):
 
     def frame_due(self) -> bool:
         """Whether the camera looks at this tick; true once for each."""
+
+    @property
+    def frame_stamp(self) -> FrameStamp:
+        """Time and number of the image that `render` gives."""
 
     def render(self) -> Frame:
         """Take an image now."""
@@ -197,15 +201,16 @@ class Server:
         return self._publish()
 
     def _publish(self) -> bool:
-        """Send what belongs to this moment: telemetry, then the trigger, then the image if any."""
+        """Send what belongs to this moment: telemetry, then the trigger, then the image if any.
+
+        Whoever awaits the image reads the others while it is being drawn.
+        """
         self._endpoint.publish()
         if not self._simulation.frame_due():
             return False
-        if self._lockstep is None:
-            self._let_go()  # rendering takes its time
-        frame = self._simulation.render()
-        self._endpoint.publish_trigger(frame)
+        self._endpoint.publish_trigger(self._simulation.frame_stamp)
         self._let_go()
+        frame = self._simulation.render()
         self._frame_us = self._simulation.time_us
         self._heartbeat_s = self._clock()
         if self._lockstep is not None:

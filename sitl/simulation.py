@@ -21,6 +21,7 @@ from sitl.records import (
     CourseStatus,
     Estimate,
     Frame,
+    FrameStamp,
     Readings,
     Vector3,
     VehicleState,
@@ -156,6 +157,13 @@ class Simulation:
     def signal_fault(self) -> FailureType:
         """What a failure does to the signal."""
         return self._breakage.signal_fault
+
+    @property
+    def frame_stamp(self) -> FrameStamp:
+        """Time and number of the image that `render` gives."""
+        if self._delay is None:
+            return FrameStamp(self.time_us, self._sequence)
+        return self._delay.first_stamp
 
     def render(self) -> Frame:
         """Give the image out that is due: one of this moment, unless the camera is late."""

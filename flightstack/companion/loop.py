@@ -1,10 +1,11 @@
 """Answer each camera frame with one setpoint, and let the mission move on by what is then known.
 
-The loop sleeps until a frame is there, or, where none comes soon, a datagram. Everything that
-matters happens when a frame is handled, in this order: telemetry is taken in, the mission advances,
-the pilot decides, and commands, heartbeat, uncertainty and last the setpoint go out, on which a
-vehicle in lockstep runs on. So a flight in lockstep does not depend on when the threads of either
-process ran.
+The loop sleeps until a frame is there. While frames flow, telemetry wakes it once before, to be
+logged while the vehicle still draws; where no frame comes soon, every datagram wakes it. Everything
+that matters happens when a frame is handled, in this order: telemetry is taken in, the mission
+advances, the pilot decides, and commands, heartbeat, uncertainty and last the setpoint go out, on
+which a vehicle in lockstep runs on. So a flight in lockstep does not depend on when the threads of
+either process ran.
 """
 
 import time
@@ -119,9 +120,12 @@ class FlightLoop:
         self._reporter.report(self.state, self._vehicle)
 
     def _sleep(self) -> None:
-        """Wait for the next frame alone while frames flow: no wake-up for each datagram."""
-        if not (self._frames_flow and wait_for_any(FRAME_SOON_S, self._camera)):
-            wait_for_any(IDLE_S, self._vehicle.link, self._camera)
+        """Wait for the next frame; while frames flow, telemetry that comes before it wakes once."""
+        if self._frames_flow and wait_for_any(FRAME_SOON_S, self._vehicle.link, self._camera):
+            self._vehicle.receive()
+            if wait_for_any(FRAME_SOON_S, self._camera):
+                return
+        wait_for_any(IDLE_S, self._vehicle.link, self._camera)
 
     def _answer(self, arrival: Arrival) -> None:
         frame = arrival.frame

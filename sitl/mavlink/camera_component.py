@@ -7,7 +7,7 @@ from sitl.mavlink.command_server import ACCEPTED, DENIED, UNSUPPORTED, acknowled
 from sitl.mavlink.dialect import Message, mavlink
 from sitl.mavlink.health import component_heartbeat
 from sitl.mavlink.request import Request
-from sitl.records import Frame
+from sitl.records import FrameStamp
 
 VENDOR, MODEL = b"flightstack", b"sitl camera"
 FIRMWARE = 1  # major 1
@@ -45,9 +45,9 @@ class CameraComponent:
         """Say that the camera is there."""
         return component_heartbeat(mavlink.MAV_TYPE_CAMERA)
 
-    def trigger(self, frame: Frame) -> Message:
+    def trigger(self, stamp: FrameStamp) -> Message:
         """Say that an image was taken: CAMERA_TRIGGER with the frame's own stamp and number."""
-        return mavlink.MAVLink_camera_trigger_message(frame.time_us, frame.sequence & 0xFFFFFFFF)
+        return mavlink.MAVLink_camera_trigger_message(stamp.time_us, stamp.sequence & 0xFFFFFFFF)
 
     def handle(self, message: Message, request: Request, time_us: int) -> None:
         """Answer a command addressed to the camera."""

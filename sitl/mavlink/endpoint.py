@@ -28,7 +28,7 @@ from sitl.mavlink.signing_server import SigningServer
 from sitl.mavlink.storage import Storage
 from sitl.mavlink.vehicle import Vehicle
 from sitl.mavlink.view import View
-from sitl.records import Frame
+from sitl.records import FrameStamp
 
 COMPONENTS = (AUTOPILOT, CAMERA, REFEREE)
 LOG_LOOK_HZ = 10  # how often it is looked whether a flight begins or ends
@@ -103,11 +103,11 @@ class Endpoint:
             self.advance_lists(time_us - self._published_us)
         self._published_us = time_us
 
-    def publish_trigger(self, frame: Frame) -> None:
+    def publish_trigger(self, stamp: FrameStamp) -> None:
         """Announce a camera frame, before its bytes go out."""
         if self._vehicle.is_silent:
             return
-        self._outgoing.broadcast(self._servers.camera.trigger(frame), CAMERA)
+        self._outgoing.broadcast(self._servers.camera.trigger(stamp), CAMERA)
 
     def repeat_heartbeats(self) -> None:
         """Send every component's HEARTBEAT again: the clock stands, but the vehicle is alive."""

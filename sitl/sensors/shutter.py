@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from sitl.clock import SECOND_US
 from sitl.conditions import CameraFaults
-from sitl.records import Frame
+from sitl.records import Frame, FrameStamp
 from sitl.sensors.picture import blurred, noisy
 
 
@@ -54,6 +54,12 @@ class Delay:
         if not self._under_way:
             return False
         return self._is_first or time_us - self._under_way[0].time_us >= self._latency_us
+
+    @property
+    def first_stamp(self) -> FrameStamp:
+        """Time and number of the frame that comes out next."""
+        first = self._under_way[0]
+        return FrameStamp(first.time_us, first.sequence)
 
     def take(self) -> Frame:
         """Take the frame that is due."""

@@ -13,7 +13,7 @@ from sitl.mavlink.dialect import mavlink
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.framing import Received, frame, pack, split
 from sitl.mavlink.udp_link import LinkConfig, UdpLink
-from sitl.records import Frame
+from sitl.records import Frame, FrameStamp
 from sitl.server import Server
 from tests.unit.sitl.mavlink.fakes import FakeVehicle
 
@@ -35,6 +35,10 @@ class FakeSimulation(FakeVehicle):
 
     def frame_due(self) -> bool:
         return self._frames.due(self.time_us)
+
+    @property
+    def frame_stamp(self) -> FrameStamp:
+        return FrameStamp(self.time_us, self._sequence)
 
     def render(self) -> Frame:
         image = Frame(time_us=self.time_us, sequence=self._sequence, rgb=IMAGE)

@@ -34,7 +34,9 @@ def hover(simulation, seconds):
     frames, places = [], []
     for tick in range(round(seconds * 250)):
         if simulation.frame_due():
-            frames.append((simulation.time_us, simulation.render()))
+            stamp, image = simulation.frame_stamp, simulation.render()
+            assert stamp == (image.time_us, image.sequence)
+            frames.append((simulation.time_us, image))
         if tick % 12 == 0:
             simulation.autopilot.offboard_setpoint(
                 OffboardSetpoint(time_us=simulation.time_us, position_ned=HOVER, yaw_rad=0.0)

@@ -255,7 +255,9 @@ def test_a_camera_that_is_late_keeps_its_stamps(vehicle):
     for _ in range(500):
         vehicle.step()
         if vehicle.frame_due():
-            late_us.append(vehicle.time_us - vehicle.render().time_us)
+            stamp, image = vehicle.frame_stamp, vehicle.render()
+            assert stamp == (image.time_us, image.sequence)
+            late_us.append(vehicle.time_us - image.time_us)
     assert late_us[0] == 0
     assert all(500_000 <= late <= 504_000 for late in late_us[1:])
     vehicle.inject(FailureUnit.CAMERA, FailureType.OK)

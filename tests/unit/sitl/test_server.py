@@ -7,7 +7,7 @@ import pytest
 
 from sitl.clock import SECOND_US
 from sitl.records import Frame
-from tests.unit.sitl.server_bench import Bench
+from tests.unit.sitl.server_bench import Bench, Companion
 
 
 def test_real_time_keeps_pace_with_the_wall_clock(make_bench: Callable[..., Bench]) -> None:
@@ -31,19 +31,33 @@ def test_as_fast_as_possible_does_not_wait(make_bench: Callable[..., Bench]) -> 
     assert bench.simulation.time_us == SECOND_US
 
 
-def test_telemetry_and_trigger_leave_before_the_image(make_bench: Callable[..., Bench]) -> None:
-    bench = make_bench()
+@pytest.mark.parametrize("lockstep", [False, True])
+def test_telemetry_and_trigger_leave_before_the_image_is_drawn(
+    make_bench: Callable[..., Bench], *, lockstep: bool
+) -> None:
+    bench = make_bench(lockstep=lockstep)
     order: list[str] = []
-    publish = bench.stream.publish
+    render, publish = bench.simulation.render, bench.stream.publish
 
-    def note(image: Frame) -> None:
+    def note() -> Frame:
         order.extend(message.get_type() for message in bench.received())
+        image = render()
         order.append(f"image {image.time_us}")
-        publish(image)
+        return image
 
-    bench.stream.publish = note  # type: ignore[method-assign]
+    bench.simulation.render = note  # type: ignore[method-assign]
+    companion = Companion(bench.stream, bench.link, bench.udp) if lockstep else None
+
+    def answered(image: Frame) -> None:
+        publish(image)
+        if companion is not None:
+            companion.answer(image.time_us)
+
+    bench.stream.publish = answered  # type: ignore[method-assign]
     bench.stop_at(60_000)
     bench.server.run()
+    if companion is not None:
+        companion.tcp.close()
     for time_us in (0, 52_000):
         place = order.index(f"image {time_us}")
         assert order[place - 1] == "CAMERA_TRIGGER"
