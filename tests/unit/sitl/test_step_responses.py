@@ -3,10 +3,11 @@
 Measured as there: setpoints in the body frame at 20 Hz, a step out of a hover at 10 m, the estimate
 read at 50 Hz and turned by the heading at the step; then back to a stop. The bands are those of
 PX4 1.17's SIH quadrotor with a drag of 0.1 N/(m/s): the least and the greatest of its runs, widened
-by 15 %. Where only a median is known, it is widened. Its two runs up and two down (medians 15 % and
-4 % overshoot, 1.05 and 0.90 steady) differ by chance, as `test_step_responses_as_observed` shows:
-they are one band, and of their tilts (3 and 2.5 deg) the greater is the limit. The medians of a few
-runs have to lie inside.
+by 15 %. Where only a median is known, it is widened. Of vertical steps there are no bands, only the
+medians of two runs up and of two down (15 % and 4 % overshoot, 1.05 and 0.90 steady), and the page
+asks to lie inside bands, not to match single figures. That the two differ by chance shows
+`test_step_responses_as_observed`: so they are one band, and of their tilts (3 and 2.5 deg) the
+greater is the limit. The medians of a few runs have to lie inside.
 """
 
 import math
