@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from flightstack.errors import UsageError
 from flightstack.frames import ned_from_body
-from flightstack.training.expert import Expert, ExpertConfig, FunnelExpert
+from flightstack.training.expert import Expert, FunnelExpert
 from flightstack.training.minimum_jerk import MinimumJerkExpert
 from flightstack.training.recipe import FlightRecipe
 from flightstack.training.seeds import TRAINING_TRACKS
-from sitl.conditions import Conditions, EstimateErrors, Light
+from sitl.conditions import Conditions, Light
 from sitl.frames import yaw_of
 from sitl.records import CourseState, Gate, Vector3
 from sitl.simulation import CAMERA_RATE_HZ, Simulation, SimulationConfig
@@ -53,7 +53,7 @@ def fly(
             ),
             laps=2,
             first_gate=0 if at_spawn else int(rng.integers(GATES_PER_LAP)),
-            conditions=_draw_conditions(rng, recipe),
+            conditions=Conditions(light=Light(fog_visibility_m=recipe.fog.draw_visibility_m(rng))),
         )
     )
     try:
@@ -96,7 +96,7 @@ def _record(
     every: int,
 ) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     gates = simulation.course_gates
-    expert = _make_expert(recipe)
+    expert = _make_expert(recipe.expert)
     noise = _Disturbance(rng, recipe)
     images: list[NDArray[np.uint8]] = []
     labels: list[NDArray[np.float64]] = []
@@ -167,23 +167,8 @@ class _Disturbance:
         return self._value
 
 
-def _draw_conditions(rng: np.random.Generator, recipe: FlightRecipe) -> Conditions:
-    return Conditions(
-        light=Light(fog_visibility_m=recipe.fog.draw_visibility_m(rng)),
-        estimate=EstimateErrors(rotor_noise_share=recipe.draw_rotor_noise_share(rng)),
-    )
-
-
-def _make_expert(recipe: FlightRecipe) -> Expert:
-    if recipe.expert == "minimum-jerk":
-        return MinimumJerkExpert()
-    return FunnelExpert(
-        ExpertConfig(
-            speed_m_s=recipe.speed_m_s,
-            look_ahead_m=recipe.look_ahead_m,
-            look_ahead_share=recipe.look_ahead_share,
-        )
-    )
+def _make_expert(name: str) -> Expert:
+    return MinimumJerkExpert() if name == "minimum-jerk" else FunnelExpert()
 
 
 def _command(simulation: Simulation, command: NDArray[np.float64]) -> None:

@@ -12,7 +12,6 @@ from flightstack.errors import UsageError
 from flightstack.training.settings import ADDED_LATER
 
 EXPERTS = ("funnel", "minimum-jerk")
-FUNNEL = (2.0, 1.8, 0.7)  # what the funnel expert has where a recipe says nothing
 T = TypeVar("T")
 
 
@@ -80,11 +79,6 @@ class FlightRecipe:
     noise_time_constant_s: float
     lost_frames: int  # dropped before a collision or a miss
     held_out_radius_noise_m: tuple[float, float] = (0.0, 0.0)  # never drawn, from low to high
-    # Of the funnel expert; see ExpertConfig.
-    speed_m_s: float = field(default=FUNNEL[0], metadata={ADDED_LATER: True})
-    look_ahead_m: float = field(default=FUNNEL[1], metadata={ADDED_LATER: True})
-    look_ahead_share: float = field(default=FUNNEL[2], metadata={ADDED_LATER: True})
-    most_rotor_noise_share: float = field(default=0.0, metadata={ADDED_LATER: True})
     fog: Fog = field(default=NO_FOG, metadata={ADDED_LATER: True})
 
     def __post_init__(self) -> None:
@@ -97,23 +91,6 @@ class FlightRecipe:
                 f"flights.held_out_radius_noise_m: [{low}, {high}] does not lie in order "
                 f"between 0 and {self.most_radius_noise_m}"
             )
-        for name in ("speed_m_s", "look_ahead_m"):
-            if getattr(self, name) <= 0.0:
-                raise UsageError(f"flights.{name}: must be above 0, got {getattr(self, name)}")
-        for name in ("look_ahead_share", "most_rotor_noise_share"):
-            if not 0.0 <= getattr(self, name) <= 1.0:
-                raise UsageError(f"flights.{name}: must be from 0 to 1, got {getattr(self, name)}")
-        is_funnel = self.expert == "funnel"
-        if not is_funnel and (self.speed_m_s, self.look_ahead_m, self.look_ahead_share) != FUNNEL:
-            raise UsageError(
-                "flights: speed_m_s, look_ahead_m and look_ahead_share are the funnel expert's, "
-                f"leave them out with '{self.expert}'"
-            )
-
-    def draw_rotor_noise_share(self, rng: np.random.Generator) -> float:
-        """Draw how much of the rotors' noise shakes the estimate; nothing is drawn without any."""
-        most = self.most_rotor_noise_share
-        return float(rng.uniform(0.0, most)) if most > 0.0 else 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
