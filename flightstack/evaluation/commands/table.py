@@ -14,7 +14,7 @@ NAME = "table"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the options."""
     add = parser.add_argument
-    add("--recipe", default="paper", metavar="NAME", help="whose models: paper (default) or strong")
+    add("--recipe", default="paper", metavar="NAME", help="whose models (default: paper)")
     add("--rows", nargs="+", metavar="ROW", help="such as m0-mi-mode m0-mean (default: all six)")
     add("--levels", nargs="+", default=["1", "2"], metavar="LEVEL", help="1, 2, or noise GRN,GHN")
     add_flying_options(parser)

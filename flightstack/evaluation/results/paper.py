@@ -19,7 +19,6 @@ MEAN_GATES = {  # of 32, by row and level; 6 tracks x 2 trials
     "m3-mean": {"level1": 8.33, "level2": 5.0},
     "m4-mean": {"level1": 15.16, "level2": 4.38},
 }
-RECIPES = ("paper", "strong")
 
 
 def rows(recipe: str, names: tuple[str, ...] = tuple(MEAN_GATES)) -> tuple[Row, ...]:
