@@ -13,7 +13,7 @@ from sitl.mavlink.framing import frame, pack, split
 from sitl.mavlink.view import View
 from sitl.modes import Mode
 from tests.observed_idle import IDLE
-from tests.unit.sitl.mavlink.fakes import FakeVehicle
+from tests.unit.sitl.mavlink.fakes import ECHO, FakeVehicle
 
 OURS: dict[str, dict[str, Any]] = {  # beside what was seen: places of the fake, and the like
     "HEARTBEAT": {
@@ -208,3 +208,25 @@ def test_protocol_version_is_mavlink_2() -> None:
 def test_components_cannot_be_taken_for_the_vehicle() -> None:
     beat = health.component_heartbeat(mavlink.MAV_TYPE_CAMERA)
     assert beat.autopilot == mavlink.MAV_AUTOPILOT_INVALID
+
+
+@pytest.mark.parametrize(
+    ("field", "index", "bit"),
+    [
+        *(("position_ned", axis, f"{name}_IGNORE") for axis, name in enumerate("XYZ")),
+        *(("velocity_ned", axis, f"V{name}_IGNORE") for axis, name in enumerate("XYZ")),
+        *(("acceleration_ned", axis, f"A{name}_IGNORE") for axis, name in enumerate("XYZ")),
+        ("yaw_rad", None, "YAW_IGNORE"),
+        ("yaw_rate_rad_s", None, "YAW_RATE_IGNORE"),
+    ],
+)
+def test_what_is_not_followed_is_masked_out(field: str, index: int | None, bit: str) -> None:
+    zero = (0.0, 0.0, 0.0)
+    followed = ECHO._replace(position_ned=zero, velocity_ned=zero, acceleration_ned=zero)
+    vehicle = FakeVehicle()
+    vehicle.autopilot.setpoint_echo = followed
+    assert encode("POSITION_TARGET_LOCAL_NED", vehicle).type_mask == 0
+    hole: Any = math.nan if index is None else (*zero[:index], math.nan, *zero[index + 1 :])
+    vehicle.autopilot.setpoint_echo = followed._replace(**{field: hole})
+    expected = getattr(mavlink, f"POSITION_TARGET_TYPEMASK_{bit}")
+    assert encode("POSITION_TARGET_LOCAL_NED", vehicle).type_mask == expected
