@@ -135,8 +135,12 @@ class Commander:
         return True
 
     def switch(self, mode: Mode, goal: Goal | None = None) -> bool:
-        """Intend a mode; refused in flight if it can't run."""
-        if self.armed and not can_run(mode, self.health):
+        """Intend a mode; refused in flight if it can't run.
+
+        A termination is a command of its own, no mode to choose, and none is left for another.
+        """
+        final = self.is_terminated or mode is Mode.TERMINATION
+        if final or (self.armed and not can_run(mode, self.health)):
             self.say(CRITICAL, f"Switching to {NAMES[mode]} is currently not available")
             return False
         self.begin(mode, goal)
@@ -156,6 +160,11 @@ class Commander:
             self._decide()
         else:
             self.mode = mode
+
+    @property
+    def is_terminated(self) -> bool:
+        """Whether the flight was terminated: that is for good, as in PX4, until the next boot."""
+        return self.mode is Mode.TERMINATION
 
     def terminate(self) -> None:
         """Stop the rotors for good."""
@@ -234,7 +243,8 @@ class Commander:
         """Stop, and fall back to the mode that the user last chose and that could be armed."""
         self.armed, self.failsafe, self._landed = False, False, True
         self._cause, self._memory = None, Memory()
-        self.intended = self.mode = self._after_disarming
+        if not self.is_terminated:
+            self.intended = self.mode = self._after_disarming
         self.goal = Goal()
         self.entries += 1
         self.say(INFO, text)

@@ -96,6 +96,8 @@ class Commands:
         return result
 
     def _take_off(self, command: Command) -> int:
+        if _is_beyond_earth(command):
+            return DENIED
         x, y, z = self._place(command)
         return self._switch(Mode.TAKEOFF, Goal((x, y, z), command.params[3]))
 

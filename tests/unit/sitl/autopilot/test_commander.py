@@ -8,7 +8,7 @@ from sitl.autopilot.checks import Health, can_arm, can_run
 from sitl.modes import Mode
 
 NAN = math.nan
-ARM, SET_MODE, TAKEOFF, LAND = 400, 176, 22, 21
+ARM, SET_MODE, TAKEOFF, LAND, RETURN, TERMINATE = 400, 176, 22, 21, 20, 185
 ACCEPTED, REJECTED, DENIED, UNSUPPORTED = 0, 1, 2, 3
 ZERO = (0.0, 0.0, 0.0)
 
@@ -122,6 +122,40 @@ def test_any_mode_is_taken_while_disarmed(ready, mode):
     assert (status.mode, status.custom_mode) == (mode, main << 16 | sub << 24)
     assert status.base_mode == base
     assert status.system_status == (3 if mode in {Mode.HOLD, Mode.TAKEOFF} else 0)
+
+
+@pytest.mark.parametrize("place", [(1e30, 8.5, 490.0), (47.4, -181.0, 490.0), (47.4, 8.5, 1e38)])
+def test_a_take_off_leads_nowhere_but_over_earth(ready, place):
+    assert ready.command(TAKEOFF, 0.0, 0.0, 0.0, math.nan, *place) == DENIED
+    assert ready.command(TAKEOFF, 0.0, 0.0, 0.0, math.nan, 47.3977, 8.5456, 495.0) == ACCEPTED
+
+
+def test_termination_is_no_mode_to_choose(ready):
+    assert ready.command(SET_MODE, 1.0, 10.0, 0.0) == REJECTED
+    assert ready.autopilot.status.mode is Mode.HOLD
+
+
+def test_a_termination_is_final(flight):
+    """PX4 never changes out of it, and does not arm in it."""
+    flight.place((0.0, 0.0, -30.0))
+    flight.send(velocity_ned=(0.0, 0.0, 0.0), yaw_rate_rad_s=0.0)
+    flight.run(0.1)
+    assert flight.command(TERMINATE, 1.0) == ACCEPTED
+    flight.run(0.1)
+    for main, sub in ((4.0, 3.0), (4.0, 6.0), (6.0, 0.0)):
+        assert flight.command(SET_MODE, 1.0, main, sub) == REJECTED
+    for command in (TAKEOFF, LAND, RETURN):
+        assert flight.command(command, *[math.nan] * 7) == REJECTED
+    flight.run(0.1)
+    status = flight.autopilot.status
+    assert (status.mode, status.system_status, status.throttle) == (Mode.TERMINATION, 8, 0.0)
+    assert flight.command(ARM, 0.0, 21196.0) == ACCEPTED  # disarmed by force
+    flight.run(0.1)
+    assert flight.autopilot.status.mode is Mode.TERMINATION
+    assert flight.command(SET_MODE, 1.0, 4.0, 3.0) == REJECTED
+    assert flight.command(ARM, 1.0) == REJECTED
+    flight.run(0.1)
+    assert not flight.autopilot.status.armed
 
 
 def test_offboard_is_armable_with_setpoints_only(ready):
