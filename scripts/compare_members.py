@@ -19,10 +19,10 @@ from flightstack.evaluation.offline.scenes import render_scene
 from flightstack.policy.network import PolicyStack
 from flightstack.records import VELOCITIES
 from flightstack.training.batches import Images
-from flightstack.training.dataset import Dataset, read_dataset
-from flightstack.training.latents import LatentSource
-from flightstack.training.policy import train_policy
-from flightstack.training.predictions import predict
+from flightstack.training.data.dataset import Dataset, read_dataset
+from flightstack.training.perception.latents import LatentSource
+from flightstack.training.policy.policy import train_policy
+from flightstack.training.policy.predictions import predict
 from flightstack.training.presets import PolicySettings, policy_settings
 
 KINDS = {  # bootstrapped data, Gaussians a member

@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 from flightstack.errors import FlightstackError
 from flightstack.logs import Log, read
 from sitl.errors import SitlError
-from sitl.gate import OUTER_M
-from sitl.quiet import quiet_outputs
-from sitl.records import Gate
-from sitl.sensors.look import draw_look
+from sitl.process.quiet import quiet_outputs
+from sitl.records.course import Gate
+from sitl.records.gate import OUTER_M
+from sitl.sensors.camera.look import draw_look
 from sitl.world.track import Track, make_track
 
 FRAMES = 8  # images in the strip
@@ -119,7 +119,7 @@ def draw_gate(axes: Axes, gate: Gate, track: Track) -> None:
 def draw_strip(figure: Figure, path: Path3, track: Track, seed: int) -> None:
     """Render what the camera saw shortly before each gate of the first lap."""
     with quiet_outputs():  # the renderer greets on standard output
-        from sitl.sensors.camera import Camera  # noqa: PLC0415
+        from sitl.sensors.camera.camera import Camera  # noqa: PLC0415
         from sitl.simulation import LOOK_STREAM  # noqa: PLC0415
     camera = Camera(track.gates, draw_look(np.random.default_rng([seed, LOOK_STREAM])))
     strip = figure.add_gridspec(

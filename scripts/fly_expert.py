@@ -20,15 +20,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.frames import body_from_ned, ned_from_body
-from flightstack.training.expert import ExpertConfig, FunnelExpert
+from flightstack.training.data.expert import ExpertConfig, FunnelExpert
 from flightstack.training.seeds import VALIDATION_TRACKS
-from sitl.conditions import Conditions, EstimateErrors
 from sitl.errors import SitlError
 from sitl.frames import yaw_of
-from sitl.option_values import noise
-from sitl.records import CourseState, Gate, VehicleState
+from sitl.process.options.values import noise
+from sitl.records.conditions import Conditions, EstimateErrors
+from sitl.records.course import CourseState, Gate
+from sitl.records.motion import VehicleState
+from sitl.records.vehicle import OffboardSetpoint
 from sitl.simulation import Simulation, SimulationConfig
-from sitl.vehicle_records import OffboardSetpoint
 from sitl.world.track import GATE_HEIGHT_M, GATES_PER_LAP
 
 LONGEST_S = 200.0  # of a flight: four laps at 1 m/s

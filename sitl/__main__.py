@@ -2,6 +2,6 @@
 
 import sys
 
-from sitl.cli import main
+from sitl.process.cli import main
 
 sys.exit(main())

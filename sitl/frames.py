@@ -7,7 +7,7 @@ Quaternions here are (w, x, y, z); pybullet's own order is (x, y, z, w).
 
 import math
 
-from sitl.records import Quaternion, Vector3
+from sitl.records.motion import Quaternion, Vector3
 
 EARTH_RADIUS_M = 6371000.0  # PX4 src/lib/geo CONSTANTS_RADIUS_OF_EARTH
 GRAVITY_M_S2 = 9.80665  # PX4 CONSTANTS_ONE_G

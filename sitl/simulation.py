@@ -11,27 +11,21 @@ import numpy as np
 
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters
-from sitl.breakage import Breakage
 from sitl.clock import TICK_US, Schedule
-from sitl.conditions import Conditions
-from sitl.failures import SENSORS, Failure, FailureType, FailureUnit
 from sitl.frames import quaternion_from_euler
-from sitl.records import (
-    CourseEvent,
-    CourseStatus,
-    Estimate,
-    Frame,
-    FrameStamp,
-    Readings,
-    Vector3,
-    VehicleState,
-)
+from sitl.records.conditions import Conditions
+from sitl.records.course import CourseEvent, CourseStatus
+from sitl.records.failures import SENSORS, Failure, FailureType, FailureUnit
+from sitl.records.images import Frame, FrameStamp
+from sitl.records.motion import Vector3, VehicleState
+from sitl.records.sensing import Estimate, Readings
 from sitl.sensors.battery import Pack
-from sitl.sensors.camera import Camera
-from sitl.sensors.estimator import SETTLED_S, Estimator, PerfectEstimator
-from sitl.sensors.look import Look, at_dusk, draw_look, in_fog
+from sitl.sensors.breakage import Breakage
+from sitl.sensors.camera.camera import Camera
+from sitl.sensors.camera.look import Look, at_dusk, draw_look, in_fog
+from sitl.sensors.camera.shutter import Delay, Spoiler
+from sitl.sensors.estimate.estimator import SETTLED_S, Estimator, PerfectEstimator
 from sitl.sensors.noise import normals
-from sitl.sensors.shutter import Delay, Spoiler
 from sitl.sensors.suite import Sensors
 from sitl.world.airframe import load_airframe
 from sitl.world.referee import Referee

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flightstack.logs.errors import LogFileError
-    from flightstack.logs.log import Log
-    from flightstack.logs.reading import read, read_bytes, read_windows
-    from flightstack.logs.table import Table
+    from flightstack.logs.tlog.log import Log
+    from flightstack.logs.tlog.reading import read, read_bytes, read_windows
+    from flightstack.logs.tlog.table import Table
 
 __all__ = ["Log", "LogFileError", "Table", "read", "read_bytes", "read_windows"]
 
@@ -20,7 +20,8 @@ def __getattr__(name: str) -> Any:
     """Import the reader when it is first used, so that `--help` needs no numpy."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from flightstack.logs import errors, log, reading, table  # noqa: PLC0415
+    from flightstack.logs import errors  # noqa: PLC0415
+    from flightstack.logs.tlog import log, reading, table  # noqa: PLC0415
 
     homes = (errors, log, reading, table)
     return next(getattr(home, name) for home in homes if hasattr(home, name))

@@ -2,6 +2,6 @@
 
 import sys
 
-from flightstack.training.cli import main
+from flightstack.training.commands.cli import main
 
 sys.exit(main())

@@ -33,7 +33,7 @@ from flightstack.perception.preprocessing import network_input
 from flightstack.policy.config import PolicyConfig
 from flightstack.policy.ensemble import PolicyEnsemble
 from flightstack.records import Frame
-from flightstack.training.catalogue import ModelPlan, read_catalogue
+from flightstack.training.models.catalogue import ModelPlan, read_catalogue
 from flightstack.training.presets import ENSEMBLE_MEMBERS, MCD_DROPOUT
 
 LEAST_SPEED_UP = 6.0  # of M0 over M full passes

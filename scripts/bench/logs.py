@@ -24,10 +24,10 @@ from pymavlink.dialects.v20 import all as mavlink
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from flightstack.logs import read, read_bytes
-from flightstack.logs.chain import find_chained
-from flightstack.logs.frames import TIMESTAMP
-from flightstack.logs.framing import Bytes, Positions
-from flightstack.logs.source import MemorySource
+from flightstack.logs.tlog.chain import find_chained
+from flightstack.logs.tlog.frames import TIMESTAMP
+from flightstack.logs.tlog.framing import Bytes, Positions
+from flightstack.logs.tlog.source import MemorySource
 
 MESSAGES = 200_000
 MANY = 2_000_000

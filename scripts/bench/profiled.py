@@ -16,15 +16,15 @@ from scripts.bench.stopwatch import Stopwatch
 
 def time_vehicle(stopwatch: Stopwatch, *, parts: bool) -> None:
     """Name the vehicle's parts, or the one thing that it does with each frame."""
-    from sitl.quiet import quiet_outputs  # noqa: PLC0415 - only this role loads it
+    from sitl.process.quiet import quiet_outputs  # noqa: PLC0415 - only this role loads it
 
     with quiet_outputs():
         import pybullet  # noqa: F401, PLC0415 - it greets on standard output
-    from sitl import camera_stream  # noqa: PLC0415
     from sitl.autopilot.autopilot import Autopilot  # noqa: PLC0415
     from sitl.mavlink.endpoint import Endpoint  # noqa: PLC0415
-    from sitl.sensors.camera import Camera  # noqa: PLC0415
-    from sitl.server import Server  # noqa: PLC0415
+    from sitl.process.server import Server  # noqa: PLC0415
+    from sitl.process.streams import camera_stream  # noqa: PLC0415
+    from sitl.sensors.camera.camera import Camera  # noqa: PLC0415
     from sitl.simulation import Simulation  # noqa: PLC0415
     from sitl.world.world import World  # noqa: PLC0415
 
@@ -81,7 +81,7 @@ def main() -> int:
     decided: list[tuple[float, int]] = []
     if role == "vehicle":
         time_vehicle(stopwatch, parts=detail == "parts")
-        from sitl.cli import main as run  # noqa: PLC0415
+        from sitl.process.cli import main as run  # noqa: PLC0415
     else:
         time_companion(stopwatch, decided, parts=detail == "parts")
         from flightstack.companion.cli import main as run  # noqa: PLC0415

@@ -2,29 +2,31 @@
 
 from collections.abc import Sequence
 
-from sitl.autopilot.cascade import Cascade, tilt_tan
-from sitl.autopilot.commander import Commander
-from sitl.autopilot.commands import Commands
-from sitl.autopilot.failure_commands import FailureCommands
-from sitl.autopilot.health_watch import HealthWatch
-from sitl.autopilot.home import Home
-from sitl.autopilot.land_detector import LandDetector
-from sitl.autopilot.manual import Manual
-from sitl.autopilot.missions import Missions
-from sitl.autopilot.mode_entry import ModeEntry
-from sitl.autopilot.navigator import Navigator
-from sitl.autopilot.offboard import OffboardStream
+from sitl.autopilot.command.commander import Commander
+from sitl.autopilot.command.commands import Commands
+from sitl.autopilot.command.failure_commands import FailureCommands
+from sitl.autopilot.command.health_watch import HealthWatch
+from sitl.autopilot.command.missions import Missions
+from sitl.autopilot.command.mode_entry import ModeEntry
+from sitl.autopilot.command.report import report_setpoint, report_status
+from sitl.autopilot.command.setpoints import Setpoints
+from sitl.autopilot.command.stick_override import StickOverride
+from sitl.autopilot.control.cascade import Cascade, tilt_tan
+from sitl.autopilot.control.position_control import Limits
+from sitl.autopilot.flight_modes.home import Home
+from sitl.autopilot.flight_modes.land_detector import LandDetector
+from sitl.autopilot.flight_modes.manual import Manual
+from sitl.autopilot.flight_modes.navigator import Navigator
+from sitl.autopilot.flight_modes.offboard import OffboardStream
+from sitl.autopilot.flight_modes.takeoff import Stage, Takeoff
 from sitl.autopilot.parameters import Parameters
-from sitl.autopilot.position_control import Limits
-from sitl.autopilot.report import report_setpoint, report_status
-from sitl.autopilot.setpoints import Setpoints
-from sitl.autopilot.stick_override import StickOverride
-from sitl.autopilot.takeoff import Stage, Takeoff
-from sitl.failures import Failure
 from sitl.frames import yaw_of
-from sitl.modes import Mode
-from sitl.records import NO_ESTIMATE, Estimate, MotorThrusts, StatusText, Vector3
-from sitl.vehicle_records import (
+from sitl.records.failures import Failure
+from sitl.records.modes import Mode
+from sitl.records.motion import MotorThrusts, Vector3
+from sitl.records.sensing import NO_ESTIMATE, Estimate
+from sitl.records.texts import StatusText
+from sitl.records.vehicle import (
     AttitudeTarget,
     Command,
     CommandResult,

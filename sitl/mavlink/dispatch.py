@@ -3,25 +3,25 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from sitl.mavlink import event_server, time_server
-from sitl.mavlink.camera_component import CameraComponent
-from sitl.mavlink.command_server import CommandServer, is_addressed
-from sitl.mavlink.dialect import AUTOPILOT, CAMERA, REFEREE, Message, mavlink
-from sitl.mavlink.file_server import FileServer
-from sitl.mavlink.framing import Received
-from sitl.mavlink.ground_station import GroundStationWatch
-from sitl.mavlink.link import Link
-from sitl.mavlink.log_server import LogServer
-from sitl.mavlink.mission_server import MissionServer
-from sitl.mavlink.newer_messages import RequestEvent
-from sitl.mavlink.outgoing import Outgoing, Port
-from sitl.mavlink.parameter_server import ParameterServer
-from sitl.mavlink.referee_component import RefereeComponent
-from sitl.mavlink.refusals import Refusal, Refusals
-from sitl.mavlink.request import Request
-from sitl.mavlink.setpoint_server import SetpointServer
-from sitl.mavlink.signing_server import SigningServer
+from sitl.mavlink.components.camera_component import CameraComponent
+from sitl.mavlink.components.referee_component import RefereeComponent
+from sitl.mavlink.links.ground_station import GroundStationWatch
+from sitl.mavlink.links.link import Link
+from sitl.mavlink.servers import event_server, time_server
+from sitl.mavlink.servers.command_server import CommandServer, is_addressed
+from sitl.mavlink.servers.files.file_server import FileServer
+from sitl.mavlink.servers.files.log_server import LogServer
+from sitl.mavlink.servers.missions.mission_server import MissionServer
+from sitl.mavlink.servers.parameter_server import ParameterServer
+from sitl.mavlink.servers.request import Request
+from sitl.mavlink.servers.setpoints.setpoint_server import SetpointServer
+from sitl.mavlink.servers.signing_server import SigningServer
+from sitl.mavlink.streams.outgoing import Outgoing, Port
 from sitl.mavlink.vehicle import Vehicle
+from sitl.mavlink.wire.dialect import AUTOPILOT, CAMERA, REFEREE, Message, mavlink
+from sitl.mavlink.wire.framing import Received
+from sitl.mavlink.wire.newer_messages import RequestEvent
+from sitl.mavlink.wire.refusals import Refusal, Refusals
 
 COMMANDS = {mavlink.MAVLINK_MSG_ID_COMMAND_LONG, mavlink.MAVLINK_MSG_ID_COMMAND_INT}
 

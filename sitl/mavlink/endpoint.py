@@ -7,28 +7,28 @@ something; nothing here waits or looks at the wall clock.
 from collections.abc import Sequence
 
 from sitl.clock import Schedule
-from sitl.mavlink.camera_component import CameraComponent, CameraFacts
-from sitl.mavlink.command_server import CommandServer
-from sitl.mavlink.dialect import AUTOPILOT, CAMERA, REFEREE
+from sitl.mavlink.components.camera_component import CameraComponent, CameraFacts
+from sitl.mavlink.components.referee_component import RefereeComponent
 from sitl.mavlink.dispatch import Dispatcher, Servers
-from sitl.mavlink.file_server import FileServer
-from sitl.mavlink.forwarding import Forwarder
-from sitl.mavlink.framing import Received
-from sitl.mavlink.ground_station import GroundStationWatch
-from sitl.mavlink.health import heartbeat_now
-from sitl.mavlink.link import Guard, Link
-from sitl.mavlink.log_server import LogServer
-from sitl.mavlink.mission_server import MissionServer
-from sitl.mavlink.outgoing import Outgoing, Port
-from sitl.mavlink.parameter_server import ParameterServer
-from sitl.mavlink.radio import BadRadio
-from sitl.mavlink.referee_component import RefereeComponent
-from sitl.mavlink.setpoint_server import SetpointServer
-from sitl.mavlink.signing_server import SigningServer
-from sitl.mavlink.storage import Storage
+from sitl.mavlink.links.forwarding import Forwarder
+from sitl.mavlink.links.ground_station import GroundStationWatch
+from sitl.mavlink.links.link import Guard, Link
+from sitl.mavlink.links.radio import BadRadio
+from sitl.mavlink.servers.command_server import CommandServer
+from sitl.mavlink.servers.files.file_server import FileServer
+from sitl.mavlink.servers.files.log_server import LogServer
+from sitl.mavlink.servers.files.storage import Storage
+from sitl.mavlink.servers.missions.mission_server import MissionServer
+from sitl.mavlink.servers.parameter_server import ParameterServer
+from sitl.mavlink.servers.setpoints.setpoint_server import SetpointServer
+from sitl.mavlink.servers.signing_server import SigningServer
+from sitl.mavlink.streams.health import heartbeat_now
+from sitl.mavlink.streams.outgoing import Outgoing, Port
+from sitl.mavlink.streams.view import View
 from sitl.mavlink.vehicle import Vehicle
-from sitl.mavlink.view import View
-from sitl.records import FrameStamp
+from sitl.mavlink.wire.dialect import AUTOPILOT, CAMERA, REFEREE
+from sitl.mavlink.wire.framing import Received
+from sitl.records.images import FrameStamp
 
 COMPONENTS = (AUTOPILOT, CAMERA, REFEREE)
 LOG_LOOK_HZ = 10  # how often it is looked whether a flight begins or ends

@@ -2,18 +2,13 @@
 
 from typing import Protocol
 
-from sitl.failures import FailureType
-from sitl.mission_records import MissionItem, MissionProgress, MissionResult, Plan, PlanKind
-from sitl.records import (
-    CourseEvent,
-    CourseStatus,
-    Estimate,
-    Gate,
-    Readings,
-    StatusText,
-    VehicleState,
-)
-from sitl.vehicle_records import (
+from sitl.records.course import CourseEvent, CourseStatus, Gate
+from sitl.records.failures import FailureType
+from sitl.records.missions import MissionItem, MissionProgress, MissionResult, Plan, PlanKind
+from sitl.records.motion import VehicleState
+from sitl.records.sensing import Estimate, Readings
+from sitl.records.texts import StatusText
+from sitl.records.vehicle import (
     AttitudeTarget,
     Command,
     CommandResult,

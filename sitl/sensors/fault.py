@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Iterator
 
-from sitl.failures import SLOWER, FailureType, is_gone
+from sitl.records.failures import SLOWER, FailureType, is_gone
 
 DELAY_US = 500_000
 # Assumption: a filter needs this long to find out that samples make no sense. Missing ones it sees

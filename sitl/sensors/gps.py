@@ -5,7 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sitl.records import GpsReading, Vector3, VehicleState
+from sitl.records.motion import Vector3, VehicleState
+from sitl.records.sensing import GpsReading
 from sitl.sensors.noise import normal_vector, normals
 
 RATE_HZ = 8  # as PX4's simulated receiver

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sitl.records import Vector3, VehicleState
+from sitl.records.motion import Vector3, VehicleState
 from sitl.sensors.noise import normal_vector, normals
 
 # Per sample at 250 Hz. Source: PX4-gazebo-models, models/x500_base/model.sdf.

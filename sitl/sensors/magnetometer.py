@@ -3,7 +3,7 @@
 import numpy as np
 
 from sitl.frames import rotate_inverse
-from sitl.records import Vector3, VehicleState
+from sitl.records.motion import Vector3, VehicleState
 from sitl.sensors.noise import normal_vector, normals
 
 RATE_HZ = 50

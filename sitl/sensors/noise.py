@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sitl.records import Vector3
+from sitl.records.motion import Vector3
 
 BLOCK = 4096  # numbers drawn at once: one at a time would cost ten times as much
 

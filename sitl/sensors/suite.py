@@ -3,8 +3,9 @@
 import numpy as np
 
 from sitl.clock import Schedule
-from sitl.failures import FailureType, FailureUnit
-from sitl.records import GpsReading, Readings, SensorHealth, Vector3, VehicleState
+from sitl.records.failures import FailureType, FailureUnit
+from sitl.records.motion import Vector3, VehicleState
+from sitl.records.sensing import GpsReading, Readings, SensorHealth
 from sitl.sensors import barometer, gps, magnetometer
 from sitl.sensors.barometer import pressure_altitude_m
 from sitl.sensors.battery import Battery, Pack

@@ -8,7 +8,7 @@ from typing import Any
 
 from sitl.errors import UsageError
 from sitl.frames import GRAVITY_M_S2
-from sitl.records import Vector3
+from sitl.records.motion import Vector3
 
 ROTORS = 4
 

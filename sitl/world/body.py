@@ -19,7 +19,7 @@ from sitl.frames import (
     rotate_inverse,
     to_bullet_quaternion,
 )
-from sitl.records import MotorThrusts, Quaternion, Vector3, VehicleState
+from sitl.records.motion import MotorThrusts, Quaternion, Vector3, VehicleState
 from sitl.world.airframe import Airframe
 
 ORIGIN = (0.0, 0.0, 0.0)

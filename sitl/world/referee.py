@@ -10,8 +10,9 @@ misses it; touching a gate is a collision. A miss or a collision fails the cours
 
 import math
 
-from sitl.gate import INNER_M
-from sitl.records import CourseEvent, CourseEventKind, CourseState, CourseStatus, Gate, Vector3
+from sitl.records.course import CourseEvent, CourseEventKind, CourseState, CourseStatus, Gate
+from sitl.records.gate import INNER_M
+from sitl.records.motion import Vector3
 
 NEARBY_M = (
     4.0  # a crossing of the gate's plane farther from its centre is another part of the circle

@@ -14,7 +14,7 @@ import numpy as np
 
 from sitl.errors import UsageError
 from sitl.frames import wrap_pi
-from sitl.records import Gate
+from sitl.records.course import Gate
 
 Direction = Literal["cw", "ccw"]
 

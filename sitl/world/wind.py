@@ -10,8 +10,8 @@ Reference: MIL-F-8785C, 1980, section 3.7.2.2.
 import math
 from collections.abc import Iterator
 
-from sitl.conditions import Wind
-from sitl.records import Vector3
+from sitl.records.conditions import Wind
+from sitl.records.motion import Vector3
 
 
 def blow(wind: Wind, noise: Iterator[float], tick_s: float) -> Iterator[Vector3]:

@@ -5,8 +5,9 @@ import math
 import pybullet
 
 from sitl.frames import GRAVITY_M_S2, flip, to_bullet_quaternion
-from sitl.gate import BAR_CENTRES, BAR_HALF_EXTENTS
-from sitl.records import Gate, MotorThrusts, VehicleState
+from sitl.records.course import Gate
+from sitl.records.gate import BAR_CENTRES, BAR_HALF_EXTENTS
+from sitl.records.motion import MotorThrusts, VehicleState
 from sitl.world.airframe import Airframe
 from sitl.world.body import QuadrotorBody
 

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.paths import ROOT
+
 HEAVY = ("torch", "pybullet", "cv2", "scipy", "pymavlink", "matplotlib", "pyarrow")
 COMMANDS = ("sitl", "flightstack.companion", "flightstack.training", "flightstack.logs")
 REPORT_LOADED = """

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.paths import ROOT
+
 LINES_PER_FILE = 300
 LINES_PER_FUNCTION = 40
 # Assembled here, so that this file does not find itself.

@@ -1,13 +1,13 @@
 """The document of the wire tells the rates and the messages that the code has."""
 
 import re
-from pathlib import Path
 
-from sitl.mavlink.dialect import mavlink
-from sitl.mavlink.encoders import ENCODERS
-from sitl.mavlink.streams import GROUND_STATION, OFFBOARD_API, Rates
+from sitl.mavlink.streams.encoders import ENCODERS
+from sitl.mavlink.streams.streams import GROUND_STATION, OFFBOARD_API, Rates
+from sitl.mavlink.wire.dialect import mavlink
+from tests.paths import DOCS
 
-WIRE = Path(__file__).resolve().parents[2] / "docs" / "wire.md"
+WIRE = DOCS / "wire.md"
 ROW = re.compile(r"^\| ([A-Z_]+) \| ([\d.]+|-) \| ([\d.]+|-) \|", re.MULTILINE)
 
 

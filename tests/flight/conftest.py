@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from mavsdk import System
 
-from tests.flight.mavsdk_vehicle import found_vehicle
+from tests.flight.clients.mavsdk_vehicle import found_vehicle
 
 
 @pytest.fixture

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from scripts.fly_course import API_PORT, free_instance
+from tests.paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 ENVIRONMENT = {"OMP_NUM_THREADS": "1"} | os.environ
 FAST = ("--speed-factor", "0")  # as fast as possible
 LOCKSTEP = ("--lockstep", *FAST)
-VEHICLES = ("sitl", "tests.wire.draggy_vehicle")
+VEHICLES = ("sitl", "tests.wire.offboard.draggy_vehicle")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from scripts.fly_course import API_PORT, free_instance
-from tests.flight.processes import ROOT, Ended, process, run, run_module
+from tests.flight.processes import Ended, process, run, run_module
+from tests.paths import ROOT
 
 pytestmark = pytest.mark.flight
 USAGE, NO_LINK, BAD_MODEL = 2, 3, 4

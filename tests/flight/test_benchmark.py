@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.paths import ROOT
+
 pytestmark = pytest.mark.flight
-ROOT = Path(__file__).resolve().parents[2]
 NIGHT = """
 about = "nothing is seen, and so the flight is short"
 noise_m = [0.0, 0.0]

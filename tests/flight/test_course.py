@@ -9,7 +9,8 @@ import pytest
 
 from scripts.fly_course import free_instance
 from tests.flight import tlogs
-from tests.flight.processes import ROOT, Ended, process, run, run_module
+from tests.flight.processes import Ended, process, run, run_module
+from tests.paths import ROOT
 
 pytestmark = pytest.mark.flight
 FLY = [sys.executable, str(ROOT / "scripts" / "fly_course.py"), "--json"]

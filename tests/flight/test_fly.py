@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.flight.processes import ENVIRONMENT, ROOT, run
+from tests.flight.processes import ENVIRONMENT, run
+from tests.paths import ROOT
 
 pytestmark = pytest.mark.flight
 FLY = [sys.executable, str(ROOT / "scripts" / "fly_course.py")]

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from tests.flight import tlogs
-from tests.flight.observer import OFFBOARD, Observer
+from tests.flight.clients.observer import OFFBOARD, Observer
 from tests.flight.processes import pair
 
 pytestmark = pytest.mark.flight

@@ -22,7 +22,8 @@ from tests.flight.bare_vehicle import (
     bare_vehicle,
     indoors,
 )
-from tests.flight.processes import ENVIRONMENT, ROOT, Ended, ended
+from tests.flight.processes import ENVIRONMENT, Ended, ended
+from tests.paths import ROOT
 
 pytestmark = pytest.mark.flight
 DOCUMENT = ROOT / "docs" / "real-vehicle.md"

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.flight.processes import ENVIRONMENT, ROOT, run
+from tests.flight.processes import ENVIRONMENT, run
+from tests.paths import ROOT
 
 pytestmark = pytest.mark.flight
 ASKED = (

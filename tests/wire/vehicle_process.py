@@ -8,12 +8,12 @@ import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any, Self
 
 from pymavlink.dialects.v20 import development as mavlink
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.paths import ROOT
+
 GCS, ONBOARD_CONTROLLER = 6, 18  # MAV_TYPE
 PATIENCE_S = 10.0  # wall time
 OTHER_SYSTEM, OTHER_COMPONENT = 42, 7

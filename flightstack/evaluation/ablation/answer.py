@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from flightstack.evaluation.ablation.design import FACTORS, Point, corner, cube
 from flightstack.evaluation.ablation.effects import main_effects, one_at_a_time, shares
 from flightstack.evaluation.ablation.pace import Control
-from flightstack.evaluation.experiments.rows import TrialRow, by_cell, by_track
 from flightstack.evaluation.results.statistics import Estimate, difference_over
+from flightstack.evaluation.trials.rows import TrialRow, by_cell, by_track
 
 MEASURES = ("gates_passed", "is_full")
 ByTrack = Mapping[int, float]

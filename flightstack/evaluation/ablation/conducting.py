@@ -18,17 +18,17 @@ from flightstack.evaluation.ablation.pace import (
     validation_tracks,
 )
 from flightstack.evaluation.ablation.report import ablation_sections
-from flightstack.evaluation.experiments.asked import ASKED, held_experiment
-from flightstack.evaluation.experiments.competitors import plain_name
-from flightstack.evaluation.experiments.conducting import conduct, fly_missing
-from flightstack.evaluation.experiments.experiment import Experiment, Row, tracks
-from flightstack.evaluation.experiments.folder import CALIBRATION, calibration_folder, read_trials
-from flightstack.evaluation.experiments.recalling import check_given, recall
-from flightstack.evaluation.experiments.rows import TrialRow
+from flightstack.evaluation.campaign.conducting import conduct, fly_missing
+from flightstack.evaluation.campaign.folder import CALIBRATION, calibration_folder, read_trials
 from flightstack.evaluation.ladder.rungs import load_rung
 from flightstack.evaluation.pictures.ablation import draw_ablation
 from flightstack.evaluation.results.summary import Summary
 from flightstack.evaluation.results.writing import write_json
+from flightstack.evaluation.trials.asked import ASKED, held_experiment
+from flightstack.evaluation.trials.competitors import plain_name
+from flightstack.evaluation.trials.experiment import Experiment, Row, tracks
+from flightstack.evaluation.trials.recalling import check_given, recall
+from flightstack.evaluation.trials.rows import TrialRow
 
 NAME = "ablation"
 ANSWER_FILE = "ablation.json"

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.experiments.rows import TrialRow
+from flightstack.evaluation.trials.rows import TrialRow
 from flightstack.training.seeds import VALIDATION_TRACKS
 
 FACTORS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1)  # that are flown to know what a factor does

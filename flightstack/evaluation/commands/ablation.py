@@ -2,7 +2,7 @@
 
 import argparse
 
-from flightstack.evaluation.experiments.options import add_flying_options
+from flightstack.evaluation.campaign.options import add_flying_options
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

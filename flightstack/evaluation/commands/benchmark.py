@@ -3,10 +3,10 @@
 import argparse
 from typing import TYPE_CHECKING
 
-from flightstack.evaluation.experiments.options import add_flying_options
+from flightstack.evaluation.campaign.options import add_flying_options
 
 if TYPE_CHECKING:
-    from flightstack.evaluation.experiments.experiment import Condition, Experiment
+    from flightstack.evaluation.trials.experiment import Condition, Experiment
 
 NAME = "benchmark"
 
@@ -32,10 +32,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Fly what is missing, then write and print the results."""
     # Here, not above: --help must not wait for scipy and torch.
-    from flightstack.evaluation.experiments.conducting import conduct  # noqa: PLC0415
-    from flightstack.evaluation.experiments.recalling import recall  # noqa: PLC0415
+    from flightstack.evaluation.campaign.conducting import conduct  # noqa: PLC0415
     from flightstack.evaluation.ladder.rungs import load_rung  # noqa: PLC0415
     from flightstack.evaluation.results.writing import plain_sections  # noqa: PLC0415
+    from flightstack.evaluation.trials.recalling import recall  # noqa: PLC0415
 
     conditions = tuple(load_rung(name)[1] for name in options.rungs)
     if options.report_only:
@@ -50,8 +50,8 @@ def run(options: argparse.Namespace) -> None:
 def _asked(options: argparse.Namespace, conditions: tuple["Condition", ...]) -> "Experiment":
     """Put what the user brings first."""
     from flightstack.errors import UsageError  # noqa: PLC0415
-    from flightstack.evaluation.experiments.competitors import make_brought_row, make_rows  # noqa: PLC0415
-    from flightstack.evaluation.experiments.experiment import Experiment, tracks  # noqa: PLC0415
+    from flightstack.evaluation.trials.competitors import make_brought_row, make_rows  # noqa: PLC0415
+    from flightstack.evaluation.trials.experiment import Experiment, tracks  # noqa: PLC0415
 
     if not any((options.perception, options.policy, options.strategy)):
         raise UsageError("name your own part: --policy, --perception or --strategy")

@@ -3,10 +3,10 @@
 import argparse
 from typing import TYPE_CHECKING
 
-from flightstack.evaluation.experiments.options import add_flying_options
+from flightstack.evaluation.campaign.options import add_flying_options
 
 if TYPE_CHECKING:
-    from flightstack.evaluation.experiments.experiment import Experiment
+    from flightstack.evaluation.trials.experiment import Experiment
 
 NAME = "ladder"
 
@@ -23,15 +23,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Fly what is missing, then write and print the results."""
     # Here, not above: --help must not wait for scipy and torch.
-    from flightstack.evaluation.experiments.competitors import make_rows  # noqa: PLC0415
-    from flightstack.evaluation.experiments.conducting import conduct  # noqa: PLC0415
-    from flightstack.evaluation.experiments.experiment import Experiment, tracks  # noqa: PLC0415
-    from flightstack.evaluation.experiments.folder import read_trials  # noqa: PLC0415
-    from flightstack.evaluation.experiments.recalling import recall  # noqa: PLC0415
+    from flightstack.evaluation.campaign.conducting import conduct  # noqa: PLC0415
+    from flightstack.evaluation.campaign.folder import read_trials  # noqa: PLC0415
     from flightstack.evaluation.ladder.report import ladder_sections  # noqa: PLC0415
     from flightstack.evaluation.ladder.rungs import known_rungs, load_rung  # noqa: PLC0415
     from flightstack.evaluation.pictures.ladder import draw_ladder  # noqa: PLC0415
     from flightstack.evaluation.results.summary import Summary  # noqa: PLC0415
+    from flightstack.evaluation.trials.competitors import make_rows  # noqa: PLC0415
+    from flightstack.evaluation.trials.experiment import Experiment, tracks  # noqa: PLC0415
+    from flightstack.evaluation.trials.recalling import recall  # noqa: PLC0415
 
     rungs = [load_rung(name) for name in options.rungs or known_rungs()]
     about = {condition.name: rung.about for rung, condition in rungs}

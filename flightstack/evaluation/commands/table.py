@@ -3,10 +3,10 @@
 import argparse
 from typing import TYPE_CHECKING
 
-from flightstack.evaluation.experiments.options import add_flying_options
+from flightstack.evaluation.campaign.options import add_flying_options
 
 if TYPE_CHECKING:
-    from flightstack.evaluation.experiments.experiment import Experiment
+    from flightstack.evaluation.trials.experiment import Experiment
 
 NAME = "table"
 
@@ -23,11 +23,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Fly what is missing, then write and print the results."""
     # Here, not above: --help must not wait for scipy and torch.
-    from flightstack.evaluation.experiments.conducting import conduct  # noqa: PLC0415
-    from flightstack.evaluation.experiments.experiment import Experiment, tracks  # noqa: PLC0415
-    from flightstack.evaluation.experiments.recalling import recall  # noqa: PLC0415
+    from flightstack.evaluation.campaign.conducting import conduct  # noqa: PLC0415
     from flightstack.evaluation.results import paper  # noqa: PLC0415
     from flightstack.evaluation.results.writing import table_sections  # noqa: PLC0415
+    from flightstack.evaluation.trials.experiment import Experiment, tracks  # noqa: PLC0415
+    from flightstack.evaluation.trials.recalling import recall  # noqa: PLC0415
 
     levels = tuple(paper.level(text) for text in options.levels)
     if options.report_only:

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from flightstack.evaluation.experiments.experiment import Trial
 from flightstack.evaluation.flights.ports import Ports
+from flightstack.evaluation.trials.experiment import Trial
 
 LAP_LIMIT_S = 90.0  # vehicle time
 GATE_LIMIT_S = 20.0  # vehicle time: gates are 6.1 m apart, 3 to 4 s at the usual speed

@@ -8,8 +8,6 @@ from pathlib import Path
 from typing import Any, Self
 
 from flightstack.errors import FlightstackError, ModelError, UsageError
-from flightstack.evaluation.experiments.experiment import Trial
-from flightstack.evaluation.experiments.rows import TrialRow
 from flightstack.evaluation.flights.command_lines import (
     LAP_LIMIT_S,
     LOG,
@@ -22,6 +20,8 @@ from flightstack.evaluation.flights.ports import Ports
 from flightstack.evaluation.flights.reading import Provenance, read_flight
 from flightstack.evaluation.flights.trace import Trace
 from flightstack.evaluation.flights.warm import WarmServer, last_line, words_of
+from flightstack.evaluation.trials.experiment import Trial
+from flightstack.evaluation.trials.rows import TrialRow
 
 ATTEMPTS = 3
 START_S = 120.0  # wall time

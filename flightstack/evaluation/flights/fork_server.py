@@ -22,8 +22,8 @@ from pathlib import Path
 from typing import IO, Any, NoReturn
 
 VEHICLE, COMPANION = "sitl", "companion"  # also the processes' names, as `ps` shows them
-MAINS = {VEHICLE: "sitl.cli", COMPANION: "flightstack.companion.cli"}
-PRELOADED = (*MAINS.values(), "sitl.launch", "sitl.assembly")
+MAINS = {VEHICLE: "sitl.process.cli", COMPANION: "flightstack.companion.cli"}
+PRELOADED = (*MAINS.values(), "sitl.process.launch", "sitl.process.assembly")
 PRELOADED_LATE = ("flightstack.companion.flight", "flightstack.companion.pipeline")
 PR_SET_PDEATHSIG, PR_SET_NAME = 1, 15  # Linux prctl
 CRASHED = 70  # exit code of a process that raised what nobody expected

@@ -4,8 +4,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from flightstack.evaluation.experiments.experiment import Trial
-from flightstack.evaluation.experiments.rows import (
+from flightstack.evaluation.flights.command_lines import GATE_LIMIT_S
+from flightstack.evaluation.flights.trace import Trace, speeds
+from flightstack.evaluation.trials.experiment import Trial
+from flightstack.evaluation.trials.rows import (
     COLLISION,
     FINISHED,
     MISSED,
@@ -13,12 +15,10 @@ from flightstack.evaluation.experiments.rows import (
     TIMEOUT,
     TrialRow,
 )
-from flightstack.evaluation.flights.command_lines import GATE_LIMIT_S
-from flightstack.evaluation.flights.trace import Trace, speeds
 from flightstack.logs import Log, read
-from flightstack.logs.course import find_events
-from flightstack.logs.decisions import Decisions, find_decisions
-from flightstack.logs.texts import status_texts
+from flightstack.logs.flight.course import find_events
+from flightstack.logs.flight.decisions import Decisions, find_decisions
+from flightstack.logs.flight.texts import status_texts
 from flightstack.records import VELOCITIES
 
 OUTCOMES = {  # the companion's words; others stay as they are

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 
-from flightstack.evaluation.experiments.rows import TrialRow, by_cell, by_track
 from flightstack.evaluation.results.markdown import (
     differences,
     figure,
@@ -13,6 +12,7 @@ from flightstack.evaluation.results.markdown import (
 )
 from flightstack.evaluation.results.statistics import Estimate, difference_over
 from flightstack.evaluation.results.summary import Cell, Summary
+from flightstack.evaluation.trials.rows import TrialRow, by_cell, by_track
 
 STANDS_ON = "level2"  # what most rungs add one trouble to
 

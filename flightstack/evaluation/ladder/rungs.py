@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.experiments.experiment import Condition
+from flightstack.evaluation.trials.experiment import Condition
 from flightstack.tables import record_from_table
-from sitl.conditions import parse_conditions
 from sitl.errors import SitlError
+from sitl.records.conditions import parse_conditions
 from sitl.world.track import MAX_HEIGHT_NOISE_M, MAX_RADIUS_NOISE_M
 
 CLIMB = (  # from the first rung up: what a reader of the ladder sees from left to right

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.evaluation.offline.scenes import SPOILS, render_scene
-from flightstack.training.flights import fly_until
-from flightstack.training.gate_views import ViewRenderer
+from flightstack.training.data.flights import fly_until
+from flightstack.training.data.gate_views import ViewRenderer
 from flightstack.training.recipe import Recipe
 from flightstack.training.seeds import TEST_TRACKS
 

@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.errors import UsageError
-from flightstack.training.gate_views import PARKED_NED, place
+from flightstack.training.data.gate_views import PARKED_NED, place
 from sitl.frames import quaternion_from_euler, wrap_pi
-from sitl.records import Gate, Quaternion, Vector3
-from sitl.sensors.camera import Camera
-from sitl.sensors.look import GROUND_TEXTURES, Colour, Look, at_dusk, draw_look
-from sitl.sensors.picture import blurred
+from sitl.records.course import Gate
+from sitl.records.motion import Quaternion, Vector3
+from sitl.sensors.camera.camera import Camera
+from sitl.sensors.camera.look import GROUND_TEXTURES, Colour, Look, at_dusk, draw_look
+from sitl.sensors.camera.picture import blurred
 
 PLAIN, DOUBLE_GATE, NO_GATE = "plain", "double gate", "no gate"
 FOG, BLUR = "fog", "blur"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from flightstack.evaluation.flights.trace import Trace
 from flightstack.evaluation.libraries import load_library
 from flightstack.evaluation.pictures.style import INK, MUTED, new_figure, plain
-from flightstack.logs.course import DEFAULT_HALF_OPENING_M
+from flightstack.logs.flight.course import DEFAULT_HALF_OPENING_M
 
 PANEL_IN = 3.1
 EDGE_IN = 0.9

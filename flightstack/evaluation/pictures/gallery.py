@@ -4,14 +4,14 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from flightstack.evaluation.experiments.folder import TRACES
-from flightstack.evaluation.experiments.rows import TrialRow, by_cell
+from flightstack.evaluation.campaign.folder import TRACES
 from flightstack.evaluation.flights.trace import Trace
 from flightstack.evaluation.pictures.birds_eye import Way, draw_birds_eye
 from flightstack.evaluation.pictures.differences import draw_differences
 from flightstack.evaluation.pictures.style import save
 from flightstack.evaluation.pictures.survival import draw_survival
 from flightstack.evaluation.results.summary import Summary
+from flightstack.evaluation.trials.rows import TrialRow, by_cell
 
 FOLDER = "pictures"
 Draw = Callable[[Summary], Any]  # returns a figure

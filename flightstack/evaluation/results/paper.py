@@ -5,7 +5,7 @@ References:
 """
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.experiments.experiment import Condition, Row
+from flightstack.evaluation.trials.experiment import Condition, Row
 from sitl.world.track import MAX_HEIGHT_NOISE_M, MAX_RADIUS_NOISE_M
 
 GATES = 32  # 4 laps

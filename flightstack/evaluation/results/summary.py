@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from flightstack.evaluation.experiments.rows import TrialRow, by_cell, by_track
 from flightstack.evaluation.results.statistics import (
     CONFIDENCE,
     RESAMPLES,
@@ -16,6 +15,7 @@ from flightstack.evaluation.results.statistics import (
     share_over,
     survival_over,
 )
+from flightstack.evaluation.trials.rows import TrialRow, by_cell, by_track
 
 Pair = tuple[str, str]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from flightstack.logs.errors import LogFileError
-from flightstack.logs.flight import Flight
+from flightstack.logs.flight.flight import Flight
 
 
 class Level(StrEnum):

@@ -1,7 +1,7 @@
 """Checks of the log itself: losses, damage, clock, and how it ends."""
 
 from flightstack.logs.checks.face import Level, Verdict, check, graded
-from flightstack.logs.flight import Flight
+from flightstack.logs.flight.flight import Flight
 
 LOSS_WARNING = 0.01
 LOSS_ERROR = 0.05

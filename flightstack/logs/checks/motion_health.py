@@ -3,8 +3,8 @@
 import numpy as np
 
 from flightstack.logs.checks.face import Level, Verdict, check, graded
-from flightstack.logs.flight import Flight
-from flightstack.logs.setpoints import within
+from flightstack.logs.flight.flight import Flight
+from flightstack.logs.flight.setpoints import within
 
 OSCILLATION_HZ = (2.0, 12.0)  # slower is flying, faster is vibration that telemetry cannot show
 OSCILLATION_RAD_S = 0.35  # root mean square of a rate within that band

@@ -3,8 +3,8 @@
 import numpy as np
 
 from flightstack.logs.checks.face import Level, Verdict, check, graded
-from flightstack.logs.decisions import UNITS, VELOCITIES
-from flightstack.logs.flight import Flight
+from flightstack.logs.flight.decisions import UNITS, VELOCITIES
+from flightstack.logs.flight.flight import Flight
 
 SLOWEST_HZ = 2.0  # PX4 documents more than 2 Hz for OFFBOARD
 LOSS_S = 1.0  # PX4 COM_OF_LOSS_T: OFFBOARD is left after this long without a setpoint

@@ -5,7 +5,7 @@ from argparse import Namespace
 
 from flightstack.logs.checks import Level, run_checks
 from flightstack.logs.commands.opening import open_flight, use_checks
-from flightstack.logs.commands.summary_text import check_lines
+from flightstack.logs.text.summary_text import check_lines
 
 
 def run(arguments: Namespace) -> int:

@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from flightstack.logs.errors import LogFileError
-from flightstack.logs.reading import read
+from flightstack.logs.tlog.reading import read
 
 ENDINGS = {"csv": "", "parquet": "", "mcap": ".mcap"}  # of the default output beside the log
 

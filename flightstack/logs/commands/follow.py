@@ -5,7 +5,7 @@ import time
 from argparse import Namespace
 from pathlib import Path
 
-from flightstack.logs.following import (
+from flightstack.logs.flight.following import (
     Facts,
     GrowingFile,
     PieceReader,
@@ -13,8 +13,8 @@ from flightstack.logs.following import (
     at_times,
     open_link,
 )
-from flightstack.logs.lines import LineOptions, lines
-from flightstack.logs.log import Log
+from flightstack.logs.text.lines import LineOptions, lines
+from flightstack.logs.tlog.log import Log
 
 PAUSE_S = 0.05
 RATES_EVERY_S = 1.0

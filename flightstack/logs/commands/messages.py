@@ -2,36 +2,9 @@
 
 import json
 from argparse import Namespace
-from collections.abc import Iterator
 
-import numpy as np
-
-from flightstack.logs.dialect import message_name
-from flightstack.logs.log import Log
-from flightstack.logs.reading import read
-from flightstack.logs.summary import Facts
-
-
-def message_facts(log: Log) -> Iterator[Facts]:
-    """Yield for every type and source how many, how often, from when to when."""
-    start_us = int(log.time_us[0]) if len(log) else 0
-    frames = log.frames
-    key = frames.msgid.astype(np.int64) << 16
-    key |= frames.system.astype(np.int64) << 8 | frames.component
-    order = np.argsort(key, kind="stable")
-    keys, first, counts = np.unique(key[order], return_index=True, return_counts=True)
-    for value, start, count in zip(keys.tolist(), first.tolist(), counts.tolist(), strict=True):
-        times = log.time_us[order[start : start + count]]
-        span_s = float(times.max() - times.min()) * 1e-6
-        yield {
-            "type": message_name(value >> 16),
-            "system": value >> 8 & 0xFF,
-            "component": value & 0xFF,
-            "count": count,
-            "rate_hz": round((count - 1) / span_s, 2) if span_s > 0 else None,
-            "first_s": round(float(times[0] - start_us) * 1e-6, 3),
-            "last_s": round(float(times[-1] - start_us) * 1e-6, 3),
-        }
+from flightstack.logs.text.message_facts import message_facts
+from flightstack.logs.tlog.reading import read
 
 
 def run(arguments: Namespace) -> int:

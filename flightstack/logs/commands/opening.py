@@ -5,8 +5,8 @@ from pathlib import Path
 
 from flightstack.logs.checks import load_checks
 from flightstack.logs.errors import LogFileError
-from flightstack.logs.flight import Flight
-from flightstack.logs.reading import read
+from flightstack.logs.flight.flight import Flight
+from flightstack.logs.tlog.reading import read
 
 LOG_ENDINGS = (".tlog", ".mavlink", ".rlog", ".raw")
 

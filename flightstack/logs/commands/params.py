@@ -6,8 +6,8 @@ from fnmatch import fnmatchcase
 
 from flightstack.logs.commands.opening import open_flight
 from flightstack.logs.errors import UnknownNameError
+from flightstack.logs.flight.parameters import read_parameters
 from flightstack.logs.nearest import did_you_mean
-from flightstack.logs.parameters import read_parameters
 
 
 def _chosen(names: list[str], patterns: list[str], log: str) -> list[str]:

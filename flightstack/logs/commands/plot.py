@@ -9,10 +9,10 @@ import numpy as np
 
 from flightstack.logs.commands.opening import open_flight
 from flightstack.logs.errors import LogFileError
-from flightstack.logs.expression import series
-from flightstack.logs.flight import Flight
-from flightstack.logs.matplotlib_loader import load_pyplot
+from flightstack.logs.flight.flight import Flight
+from flightstack.logs.report.matplotlib_loader import load_pyplot
 from flightstack.logs.report.plotting import mode_colour
+from flightstack.logs.text.expression import series
 
 ENDINGS = (".png", ".svg", ".pdf")
 LEAST_NAMED = 0.06  # of the width: narrower modes are coloured only

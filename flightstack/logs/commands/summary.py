@@ -7,11 +7,11 @@ from pathlib import Path
 
 from flightstack.logs.checks import run_checks
 from flightstack.logs.commands.opening import logs_in, use_checks
-from flightstack.logs.commands.summary_text import one_line, page
 from flightstack.logs.errors import LogFileError
-from flightstack.logs.flight import Flight
-from flightstack.logs.reading import read
-from flightstack.logs.summary import Facts, summarise
+from flightstack.logs.flight.flight import Flight
+from flightstack.logs.text.summary import Facts, summarise
+from flightstack.logs.text.summary_text import one_line, page
+from flightstack.logs.tlog.reading import read
 
 
 def summary_of(path: Path, system: int | None) -> Facts:

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from flightstack.logs.commands.opening import open_flight
-from flightstack.logs.decisions import LINEAR, VELOCITIES
 from flightstack.logs.errors import LogFileError
-from flightstack.logs.flight import Flight
-from flightstack.logs.summary import Facts
-from flightstack.logs.why import Failure, Moment, find_failure
+from flightstack.logs.flight.decisions import LINEAR, VELOCITIES
+from flightstack.logs.flight.flight import Flight
+from flightstack.logs.flight.why import Failure, Moment, find_failure
+from flightstack.logs.text.summary import Facts
 
 PARTS = ("aleatoric", "epistemic", "perceptual")
 
@@ -69,7 +69,7 @@ def run(arguments: Namespace) -> int:
         print(json.dumps({"failure": None}) if arguments.json else "no gate was missed in this log")
         return 0
     if arguments.output is not None:
-        from flightstack.logs.strip_picture import draw_strip  # noqa: PLC0415
+        from flightstack.logs.report.strip_picture import draw_strip  # noqa: PLC0415
 
         draw_strip(failure, arguments.output)
         print(f"wrote {arguments.output}")

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from flightstack.logs import fast_text
-from flightstack.logs.log import Log
-from flightstack.logs.table import Table
+from flightstack.logs.text import fast_text
+from flightstack.logs.tlog.log import Log
+from flightstack.logs.tlog.table import Table
 
 CHUNK = 8_000
 QUOTED = (",", '"', "\n", "\r")

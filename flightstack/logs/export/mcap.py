@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from flightstack.logs.dialect import Field
+from flightstack.logs.dialect.dialect import Field
 from flightstack.logs.errors import MissingLibraryError
-from flightstack.logs.log import Log
-from flightstack.logs.table import Table
+from flightstack.logs.tlog.log import Log
+from flightstack.logs.tlog.table import Table
 
 CHUNK = 50_000  # frames that are decoded at once
 

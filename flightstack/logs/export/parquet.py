@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from flightstack.logs.errors import MissingLibraryError
-from flightstack.logs.log import Log
-from flightstack.logs.table import Table
+from flightstack.logs.tlog.log import Log
+from flightstack.logs.tlog.table import Table
 
 
 def _load() -> tuple[Any, Any]:

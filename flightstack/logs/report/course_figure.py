@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.course import CourseEvent, CourseGate
-from flightstack.logs.flight import Flight
-from flightstack.logs.motion import Motion
+from flightstack.logs.flight.course import CourseEvent, CourseGate
+from flightstack.logs.flight.flight import Flight
+from flightstack.logs.flight.motion import Motion
 from flightstack.logs.report.plotting import (
     INK,
     MUTED,

@@ -11,17 +11,17 @@ from string import Template
 
 from flightstack import __version__
 from flightstack.logs.checks import Finding, Level
-from flightstack.logs.commands.messages import message_facts
-from flightstack.logs.commands.summary_text import duration
 from flightstack.logs.errors import MissingLibraryError
-from flightstack.logs.flight import Flight
+from flightstack.logs.flight.flight import Flight
+from flightstack.logs.flight.why import Failure, find_failure
 from flightstack.logs.report import tables
 from flightstack.logs.report.course_figure import course_figure, has_course
 from flightstack.logs.report.plotting import Json
 from flightstack.logs.report.strip import strip_html
 from flightstack.logs.report.time_figure import time_figure
-from flightstack.logs.summary import Facts, summarise
-from flightstack.logs.why import Failure, find_failure
+from flightstack.logs.text.message_facts import message_facts
+from flightstack.logs.text.summary import Facts, summarise
+from flightstack.logs.text.summary_text import duration
 
 PLOTLY_FILE = ("package_data", "plotly.min.js")
 

@@ -5,9 +5,9 @@ from html import escape
 
 import numpy as np
 
-from flightstack.logs.decisions import ALL_MEMBERS, LINEAR, UNITS, VELOCITIES
+from flightstack.logs.flight.decisions import ALL_MEMBERS, LINEAR, UNITS, VELOCITIES
+from flightstack.logs.flight.why import Failure, Moment
 from flightstack.logs.report.plotting import PARTS, Floats
-from flightstack.logs.why import Failure, Moment
 
 DOTS_WIDTH, DOTS_ROW = 128, 22
 BAR_WIDTH = 128

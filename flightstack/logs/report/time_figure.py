@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.decisions import ALL_MEMBERS, LINEAR, UNITS, VELOCITIES
-from flightstack.logs.flight import Flight
+from flightstack.logs.flight.decisions import ALL_MEMBERS, LINEAR, UNITS, VELOCITIES
+from flightstack.logs.flight.flight import Flight
+from flightstack.logs.flight.setpoints import boot_offset_us, stamp_latency_ms
 from flightstack.logs.report.plotting import (
     INK,
     PARTS,
@@ -20,7 +21,6 @@ from flightstack.logs.report.plotting import (
     line,
     mode_colour,
 )
-from flightstack.logs.setpoints import boot_offset_us, stamp_latency_ms
 
 ROW_PX = 132
 GAP_PX = 22

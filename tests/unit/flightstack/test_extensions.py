@@ -10,8 +10,9 @@ from flightstack.companion.cli import build_parser
 from flightstack.companion.pipeline import load_pipeline
 from flightstack.errors import UsageError
 from flightstack.records import Frame
+from tests.paths import DOCS
 
-EXAMPLE = Path(__file__).resolve().parents[3] / "docs" / "examples" / "cautious"
+EXAMPLE = DOCS / "examples" / "cautious"
 FRAME = Frame(stamp_us=0, sequence=0, rgb=np.full((64, 64, 3), 90, dtype=np.uint8))
 
 

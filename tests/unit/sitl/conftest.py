@@ -3,7 +3,7 @@ from typing import Any
 
 import pytest
 
-from tests.unit.sitl.server_bench import Bench
+from tests.unit.sitl.process.server_bench import Bench
 
 
 @pytest.fixture

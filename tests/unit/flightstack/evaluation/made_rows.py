@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from flightstack.evaluation.experiments.rows import DEVIATIONS, TrialRow
+from flightstack.evaluation.trials.rows import DEVIATIONS, TrialRow
 
 FIGURES: dict[str, float] = dict.fromkeys(DEVIATIONS, 0.25)
 ONE = TrialRow(

@@ -11,7 +11,7 @@ from flightstack.logs import read_bytes
 from flightstack.logs.checks import Finding, Level, load_checks, run_checks
 from flightstack.logs.checks.face import REGISTERED, check
 from flightstack.logs.errors import LogFileError
-from flightstack.logs.flight import Flight
+from flightstack.logs.flight.flight import Flight
 from tests.unit.flightstack.logs.made_flights import VEHICLE, make_flight
 from tests.unit.flightstack.logs.made_logs import START_US, record
 

@@ -13,10 +13,10 @@ import pytest
 
 from flightstack.logs import read
 from flightstack.logs.cli import main
+from tests.paths import GOLDEN
 from tests.unit.flightstack.logs.made_flights import make_flight
 from tests.unit.flightstack.logs.made_logs import pymavlink_messages
 
-GOLDEN = Path(__file__).resolve().parents[3] / "data" / "missed_gate.tlog"
 Capture = pytest.CaptureFixture[str]
 
 

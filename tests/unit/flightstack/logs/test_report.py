@@ -10,15 +10,14 @@ from pymavlink.dialects.v20 import all as mavlink
 
 from flightstack.logs import read, read_bytes
 from flightstack.logs.checks import run_checks
-from flightstack.logs.flight import Flight
+from flightstack.logs.flight.flight import Flight
 from flightstack.logs.report.course_figure import gate_outline
 from flightstack.logs.report.page import make_page
 from flightstack.logs.report.plotting import thinned
 from flightstack.logs.report.time_figure import time_figure
+from tests.paths import GOLDEN
 from tests.unit.flightstack.logs.made_flights import make_flight
 from tests.unit.flightstack.logs.made_logs import START_US, record, tlog
-
-GOLDEN = Path(__file__).resolve().parents[3] / "data" / "missed_gate.tlog"
 
 pytest.importorskip("plotly")
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from flightstack.perception.dronet import Dronet
 from flightstack.perception.labels import LABELS
 from flightstack.records import VELOCITIES
-from flightstack.training.dataset import Dataset, ShardedImages
-from flightstack.training.perception import PerceptionRun, train_perception
+from flightstack.training.data.dataset import Dataset, ShardedImages
+from flightstack.training.perception.perception import PerceptionRun, train_perception
 from flightstack.training.presets import PerceptionSettings
 
 

@@ -1,7 +1,7 @@
 """A vehicle over flat ground, in process: body, estimator and autopilot, without sockets.
 
 The estimate is the truth, so that a test of control measures the control; noise has tests of its
-own, in `tests/unit/sitl/sensors` and `tests/unit/sitl/test_noisy_flight.py`.
+own, in `tests/unit/sitl/sensors` and `tests/unit/sitl/flights/test_noisy_flight.py`.
 """
 
 import math
@@ -14,9 +14,11 @@ from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters
 from sitl.clock import TICK_US, Schedule
 from sitl.frames import GRAVITY_M_S2, quaternion_from_euler
-from sitl.records import Estimate, StatusText, Vector3
-from sitl.sensors.estimator import PerfectEstimator
-from sitl.vehicle_records import Command, OffboardSetpoint
+from sitl.records.motion import Vector3
+from sitl.records.sensing import Estimate
+from sitl.records.texts import StatusText
+from sitl.records.vehicle import Command, OffboardSetpoint
+from sitl.sensors.estimate.estimator import PerfectEstimator
 from sitl.world.airframe import load_airframe
 from sitl.world.body import QuadrotorBody
 

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from sitl.frames import euler_from_quaternion, quaternion_from_euler
-from sitl.modes import Mode
-from sitl.vehicle_records import AttitudeTarget, OffboardSetpoint
+from sitl.records.modes import Mode
+from sitl.records.vehicle import AttitudeTarget, OffboardSetpoint
 
 ZERO = (0.0, 0.0, 0.0)
 LEVEL = (1.0, 0.0, 0.0, 0.0)

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from sitl.frames import yaw_of
-from sitl.modes import Mode
+from sitl.records.modes import Mode
 
 NAN = math.nan
 ARM, TAKEOFF, LAND, RTL, REPOSITION = 400, 22, 21, 20, 192

@@ -4,7 +4,7 @@ import pytest
 
 from sitl.autopilot.parameters import Parameters, ParameterType
 from sitl.errors import UsageError
-from tests.observed_parameters import DEFAULTS, NEEDED
+from tests.observed.parameters import DEFAULTS, NEEDED
 
 
 @pytest.fixture

@@ -4,14 +4,14 @@ import math
 
 import pytest
 
-from sitl.autopilot.hover_thrust import HoverThrust
-from sitl.autopilot.land_detector import LandDetector
-from sitl.autopilot.offboard import LATENCY_US, OffboardStream
+from sitl.autopilot.control.hover_thrust import HoverThrust
+from sitl.autopilot.flight_modes.land_detector import LandDetector
+from sitl.autopilot.flight_modes.offboard import LATENCY_US, OffboardStream
+from sitl.autopilot.flight_modes.return_home import Phase, ReturnHome
+from sitl.autopilot.flight_modes.takeoff import Stage, Takeoff
 from sitl.autopilot.parameters import Parameters
-from sitl.autopilot.return_home import Phase, ReturnHome
-from sitl.autopilot.takeoff import Stage, Takeoff
-from sitl.records import Estimate
-from sitl.vehicle_records import OffboardSetpoint
+from sitl.records.sensing import Estimate
+from sitl.records.vehicle import OffboardSetpoint
 
 NAN = math.nan
 ZERO = (0.0, 0.0, 0.0)

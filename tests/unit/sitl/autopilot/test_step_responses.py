@@ -9,7 +9,8 @@ from collections.abc import Callable
 
 import pytest
 
-from sitl.records import Estimate, Vector3
+from sitl.records.motion import Vector3
+from sitl.records.sensing import Estimate
 
 WIDER = 0.15
 PRE_STREAM_S = 1.008  # a whole number of ticks, and of setpoints

@@ -5,11 +5,11 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from sitl.clock import TICK_US
-from sitl.mavlink.camera_component import CameraFacts
+from sitl.mavlink.components.camera_component import CameraFacts
 from sitl.mavlink.endpoint import Endpoint
-from sitl.mavlink.framing import Received, frame, pack, split
-from sitl.mavlink.link import Guard
-from sitl.mavlink.udp_link import LinkConfig, UdpLink
+from sitl.mavlink.links.link import Guard
+from sitl.mavlink.links.udp_link import LinkConfig, UdpLink
+from sitl.mavlink.wire.framing import Received, frame, pack, split
 from tests.unit.sitl.mavlink.fakes import FakeVehicle
 
 FACTS = CameraFacts(

@@ -4,11 +4,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sitl.errors import UsageError
-from sitl.failures import FailureType
-from sitl.mavlink.framing import Packet, frame, split
-from sitl.mavlink.request import Request
-from sitl.mavlink.streams import GROUND_STATION, StreamTable
-from sitl.mission_records import (
+from sitl.mavlink.servers.request import Request
+from sitl.mavlink.streams.streams import GROUND_STATION, StreamTable
+from sitl.mavlink.wire.framing import Packet, frame, split
+from sitl.records.course import CourseEvent, CourseState, CourseStatus, Gate
+from sitl.records.failures import FailureType
+from sitl.records.missions import (
     MissionItem,
     MissionProgress,
     MissionResult,
@@ -16,21 +17,11 @@ from sitl.mission_records import (
     Plan,
     PlanKind,
 )
-from sitl.modes import Mode
-from sitl.records import (
-    CourseEvent,
-    CourseState,
-    CourseStatus,
-    Estimate,
-    Gate,
-    GpsReading,
-    Readings,
-    SensorHealth,
-    StatusText,
-    Vector3,
-    VehicleState,
-)
-from sitl.vehicle_records import (
+from sitl.records.modes import Mode
+from sitl.records.motion import Vector3, VehicleState
+from sitl.records.sensing import Estimate, GpsReading, Readings, SensorHealth
+from sitl.records.texts import StatusText
+from sitl.records.vehicle import (
     IDENTITY,
     NAN_VECTOR,
     AttitudeTarget,

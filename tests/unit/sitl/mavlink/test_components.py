@@ -5,12 +5,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sitl.mavlink.camera_component import CameraComponent, CameraFacts
-from sitl.mavlink.dialect import mavlink
-from sitl.mavlink.referee_component import RefereeComponent
-from sitl.mission_records import MissionProgress, MissionState
-from sitl.modes import Mode
-from sitl.records import CourseEvent, CourseEventKind, CourseState, CourseStatus, Frame
+from sitl.mavlink.components.camera_component import CameraComponent, CameraFacts
+from sitl.mavlink.components.referee_component import RefereeComponent
+from sitl.mavlink.wire.dialect import mavlink
+from sitl.records.course import CourseEvent, CourseEventKind, CourseState, CourseStatus
+from sitl.records.images import Frame
+from sitl.records.missions import MissionProgress, MissionState
+from sitl.records.modes import Mode
 from tests.unit.sitl.mavlink.fakes import FakeOutlet, FakeVehicle, make_request
 
 FACTS = CameraFacts(

@@ -8,9 +8,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from sitl.clock import TICK_US
-from sitl.mavlink.dialect import AUTOPILOT, CAMERA, REFEREE, mavlink
-from sitl.mavlink.framing import Packet, Received, frame
-from sitl.records import CourseEvent, CourseEventKind, FrameStamp, StatusText
+from sitl.mavlink.wire.dialect import AUTOPILOT, CAMERA, REFEREE, mavlink
+from sitl.mavlink.wire.framing import Packet, Received, frame
+from sitl.records.course import CourseEvent, CourseEventKind
+from sitl.records.images import FrameStamp
+from sitl.records.texts import StatusText
 from tests.unit.sitl.mavlink.bench import Bench
 
 GCS, ONBOARD = 6, 18

@@ -2,8 +2,8 @@
 
 import pytest
 
-from sitl.failures import FailureType, FailureUnit
-from sitl.records import VehicleState
+from sitl.records.failures import FailureType, FailureUnit
+from sitl.records.motion import VehicleState
 from sitl.sensors.suite import UNITS, Sensors
 
 STATE = VehicleState(

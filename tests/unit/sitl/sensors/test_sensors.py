@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sitl.frames import quaternion_from_euler, rotate
-from sitl.records import VehicleState
+from sitl.records.motion import VehicleState
 from sitl.sensors import barometer, gps, imu, magnetometer
 from sitl.sensors.suite import Sensors
 

@@ -2,7 +2,7 @@ import itertools
 
 import pytest
 
-from sitl.records import CourseEventKind, CourseState, Gate
+from sitl.records.course import CourseEventKind, CourseState, Gate
 from sitl.world.referee import Referee
 from sitl.world.track import make_track
 

@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.experiments.experiment import Row, Trial
 from flightstack.evaluation.flights.flight import Launcher
 from flightstack.evaluation.flights.reading import Provenance
 from flightstack.evaluation.flights.warm import last_line
 from flightstack.evaluation.results import paper
+from flightstack.evaluation.trials.experiment import Row, Trial
 
 TRACEBACK = """Traceback (most recent call last):
   File "mine.py", line 7, in predict

@@ -1,10 +1,9 @@
-from pathlib import Path
-
 import pytest
 
 from flightstack.errors import UsageError
 from flightstack.evaluation.ladder.rungs import CLIMB, known_rungs, load_rung, parse_rung
-from sitl.options import parse
+from sitl.process.options.command_line import parse
+from tests.paths import DOCS
 
 FOG = """
 about = "fog"
@@ -83,7 +82,7 @@ def test_an_unknown_rung_names_the_known_ones(name: str) -> None:
 
 
 def test_the_document_shows_a_rung_as_it_may_be() -> None:
-    document = Path(__file__).resolve().parents[5] / "docs" / "training-and-evaluation.md"
+    document = DOCS / "training-and-evaluation.md"
     text = document.read_text()
     _, condition = parse_rung("document", text.split("```toml\n")[1].split("```")[0])
     assert condition.vehicle_options == ("--condition=camera.latency_s=0.1",)

@@ -1,9 +1,9 @@
 import json
 from pathlib import Path
 
-from flightstack.evaluation.experiments.rows import TrialRow
 from flightstack.evaluation.results.summary import summarise
 from flightstack.evaluation.results.writing import plain_sections, table_sections, write
+from flightstack.evaluation.trials.rows import TrialRow
 from tests.unit.flightstack.evaluation.made_rows import made_row
 
 TRACKS = range(1000, 1012)

@@ -1,0 +1,1 @@
+"""Fly many trials: workers, folder, progress, interruption."""

@@ -1,0 +1,1 @@
+"""What is to be flown: trials, competitors, and rows of results."""

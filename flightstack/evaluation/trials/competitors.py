@@ -1,0 +1,70 @@
+"""Make an experiment's rows from models and strategies, or from parts that a user brings."""
+
+import re
+from collections.abc import Sequence
+from pathlib import PurePath
+
+from flightstack import models
+from flightstack.companion.pipeline import load_pipeline
+from flightstack.errors import UsageError
+from flightstack.evaluation.trials.experiment import Row
+
+PATH_PARTS = 2  # of a model's folder that name it: its recipe and its name
+PARTS = ("perception", "policy")
+
+
+def make_rows(names: Sequence[str], strategies: Sequence[str]) -> tuple[Row, ...]:
+    """Pair every model with every strategy; with its own where none is named.
+
+    Raises ModelError or UsageError where one can't fly.
+    """
+    rows = []
+    for model in names:
+        own = models.read_config(models.find(model) / models.CONFIG_FILE).strategy
+        for strategy in strategies or (own,):
+            _check_loads(model, strategy)
+            name = f"{model_name(model)}-{plain_name(strategy)}"
+            rows.append(Row(name=name, model=model, strategy=strategy))
+    return tuple(rows)
+
+
+def make_brought_row(
+    model: str, strategy: str | None, *, perception: str | None, policy: str | None
+) -> Row:
+    """Make the row of a model with parts that a user brings (docs/bring-your-own.md).
+
+    Raises ModelError or UsageError where it can't fly.
+    """
+    _check_loads(model, strategy, perception=perception, policy=policy)
+    own = models.read_config(models.find(model) / models.CONFIG_FILE).strategy
+    brought = dict(zip(PARTS, (perception, policy), strict=True))
+    named = [part for part in (perception, policy, strategy) if part is not None]
+    return Row(
+        name="-".join(map(plain_name, named)),
+        model=model,
+        strategy=strategy or own,
+        companion_options=tuple(
+            f"--{part}={name}" for part, name in brought.items() if name is not None
+        ),
+    )
+
+
+def _check_loads(
+    model: str, strategy: str | None, *, perception: str | None = None, policy: str | None = None
+) -> None:
+    try:
+        load_pipeline(model, strategy, perception=perception, policy=policy)
+    except SystemExit as error:  # which extensions let through: it is no Exception
+        names = ", ".join(name for name in (perception, policy, strategy) if name is not None)
+        raise UsageError(f"{names} does not load: it ends Python by {error!r}") from error
+
+
+def model_name(model: str) -> str:
+    """Shorten a model's name or folder to what tells it from others, as "strong.m0"."""
+    return ".".join(map(plain_name, PurePath(model).parts[-PATH_PARTS:]))
+
+
+def plain_name(text: str) -> str:
+    """Write a name so that it can be part of a row's, as "mi.mode.lowest" or "my_package.mine"."""
+    dotted = re.sub(r"[/:]", ".", text.lower())
+    return re.sub(r"[^a-z0-9._+]+", "-", dotted).strip("-._+")

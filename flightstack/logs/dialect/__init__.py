@@ -1,0 +1,1 @@
+"""Message definitions: the dialect that pymavlink carries."""

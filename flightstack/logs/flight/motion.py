@@ -1,0 +1,90 @@
+"""Where the vehicle was and how fast: from whichever position message the log holds."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flightstack.logs.flight.vehicle import Vehicle
+from flightstack.logs.tlog.log import Log
+
+EARTH_RADIUS_M = 6_371_000.0
+STANDING_M_S = 0.3  # slower than this is noise of the estimate, not a way flown
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Motion:
+    """Position and velocity over time, in a local north-east-down frame."""
+
+    source: str  # the message that it comes from
+    time_us: NDArray[np.int64]
+    position_ned: Floats  # (n, 3) m
+    velocity_ned: Floats  # (n, 3) m/s
+
+    def __len__(self) -> int:
+        return len(self.time_us)
+
+    @property
+    def speed_m_s(self) -> Floats:
+        """Length of the velocity."""
+        return np.asarray(np.linalg.norm(self.velocity_ned, axis=1), dtype=np.float64)
+
+    @property
+    def horizontal_speed_m_s(self) -> Floats:
+        """Length of the horizontal velocity."""
+        return np.asarray(np.linalg.norm(self.velocity_ned[:, :2], axis=1), dtype=np.float64)
+
+    def distance_m(self) -> float:
+        """Length of the way flown: the integral of the speed where the vehicle really moves."""
+        if len(self) < 2:
+            return 0.0
+        step_s = np.diff(self.time_us) * 1e-6
+        speed = self.speed_m_s[1:]
+        counted = (step_s > 0) & (step_s < 2.0) & (speed > STANDING_M_S)
+        return float((speed * step_s)[counted].sum())
+
+    def within(self, start_us: int, end_us: int) -> "Motion":
+        """Return the part between two times."""
+        keep = (self.time_us >= start_us) & (self.time_us < end_us)
+        return Motion(
+            source=self.source,
+            time_us=self.time_us[keep],
+            position_ned=self.position_ned[keep],
+            velocity_ned=self.velocity_ned[keep],
+        )
+
+
+def _local(log: Log, vehicle: Vehicle) -> Motion:
+    table = log["LOCAL_POSITION_NED"].where(system=vehicle.system, component=vehicle.component)
+    return Motion(
+        source=table.name,
+        time_us=table.time_us,
+        position_ned=np.stack([table[axis] for axis in ("x", "y", "z")], axis=1).astype(np.float64),
+        velocity_ned=np.stack([table[a] for a in ("vx", "vy", "vz")], axis=1).astype(np.float64),
+    )
+
+
+def _global(log: Log, vehicle: Vehicle) -> Motion:
+    table = log["GLOBAL_POSITION_INT"].where(system=vehicle.system, component=vehicle.component)
+    has_fix = (table["lat"] != 0) | (table["lon"] != 0)
+    table = table.take(has_fix)
+    lat, lon = np.radians(table["lat"] * 1e-7), np.radians(table["lon"] * 1e-7)
+    altitude = table["relative_alt"] * 1e-3
+    lat0, lon0 = (float(lat[0]), float(lon[0])) if len(lat) else (0.0, 0.0)
+    north = (lat - lat0) * EARTH_RADIUS_M
+    east = (lon - lon0) * EARTH_RADIUS_M * np.cos(lat0)
+    velocity = np.stack([table[a] for a in ("vx", "vy", "vz")], axis=1) * 0.01
+    return Motion(
+        source=table.name,
+        time_us=table.time_us,
+        position_ned=np.stack([north, east, -altitude], axis=1),
+        velocity_ned=velocity,
+    )
+
+
+def find_motion(log: Log, vehicle: Vehicle) -> Motion:
+    """Return the vehicle's motion, local if logged, else from the global position."""
+    local = _local(log, vehicle)
+    return local if len(local) else _global(log, vehicle)

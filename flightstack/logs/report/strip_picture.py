@@ -1,0 +1,75 @@
+"""Draw the moments before a failed gate as one picture."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flightstack.logs.errors import LogFileError
+from flightstack.logs.flight.decisions import LINEAR, VELOCITIES
+from flightstack.logs.flight.why import Failure, Moment
+from flightstack.logs.report.matplotlib_loader import load_pyplot
+
+PARTS = {"aleatoric": "#e69f00", "epistemic": "#d1495b", "perceptual": "#2a9d8f"}
+
+
+def _picture(axes: Any, moment: Moment, read: Any) -> None:
+    axes.set_title(f"{-moment.before_s:.2f} s", fontsize=9)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    if moment.frame is None:
+        axes.text(0.5, 0.5, "not\nrecorded", ha="center", va="center", transform=axes.transAxes)
+    else:
+        axes.imshow(read(moment.frame), interpolation="nearest")
+
+
+def _members(axes: Any, moment: Moment, limits: tuple[float, float]) -> None:
+    rows = np.arange(len(VELOCITIES))
+    for number, prediction in enumerate(moment.predictions):
+        chosen = moment.member == number
+        axes.scatter(prediction[~chosen], rows[~chosen], s=12, facecolors="none", edgecolors="grey")
+        axes.scatter(prediction[chosen], rows[chosen], s=14, color="#1f6feb")
+    axes.scatter(moment.command, rows, marker="|", s=120, color="#b3261e")
+    axes.set_yticks(rows, VELOCITIES if axes.get_subplotspec().is_first_col() else [])
+    axes.set_xlim(*limits)
+    axes.invert_yaxis()
+    axes.tick_params(labelsize=7)
+
+
+def _bars(axes: Any, moment: Moment, longest: float) -> None:
+    stds = [float(np.linalg.norm(getattr(moment, f"{name}_std")[LINEAR])) for name in PARTS]
+    axes.barh(range(len(PARTS)), stds, color=list(PARTS.values()))
+    axes.set_yticks(range(len(PARTS)), PARTS if axes.get_subplotspec().is_first_col() else [])
+    axes.set_xlim(0, longest)
+    axes.invert_yaxis()
+    axes.tick_params(labelsize=7)
+
+
+def draw_strip(failure: Failure, output: Path) -> None:
+    """Draw pictures, predictions and uncertainty, one column a moment."""
+    pyplot = load_pyplot()
+    moments = failure.moments
+    if not moments:
+        raise LogFileError("the log holds no decisions of the seconds before: nothing to draw")
+    values = np.vstack([np.vstack([m.command, m.predictions]) for m in moments])
+    limits = (float(values.min()) - 0.1, float(values.max()) + 0.1)
+    stds = [np.linalg.norm(getattr(m, f"{name}_std")[LINEAR]) for m in moments for name in PARTS]
+    figure, axes = pyplot.subplots(
+        3,
+        len(moments),
+        squeeze=False,
+        figsize=(1.5 * len(moments) + 0.8, 4.6),
+        height_ratios=[1.5, 1.2, 0.7],
+    )
+    for column, moment in enumerate(moments):
+        _picture(axes[0, column], moment, pyplot.imread)
+        _members(axes[1, column], moment, limits)
+        _bars(axes[2, column], moment, 1.05 * max(map(float, stds)))
+    figure.suptitle(failure.event.text, fontsize=11)
+    figure.tight_layout()
+    try:
+        figure.savefig(output, dpi=120)
+    except (OSError, ValueError) as error:
+        raise LogFileError(f"{output} cannot be written: {error}") from error
+    finally:
+        pyplot.close(figure)

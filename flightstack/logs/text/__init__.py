@@ -1,0 +1,1 @@
+"""Logs as text: summary, lines of a dump, expressions."""

@@ -1,0 +1,54 @@
+"""Gather the payloads of chosen frames into one array a message, reading the log once."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flightstack.logs.tlog.frames import Frames
+from flightstack.logs.tlog.source import WINDOW_BYTES, Source
+
+Bytes = NDArray[np.uint8]
+
+
+def _fill(rows: Bytes, window: Bytes, at: NDArray[np.int64], length: NDArray[np.int64]) -> None:
+    """Copy payloads at `at` into rows; bytes that were trimmed on the wire become zero."""
+    size = rows.shape[1]
+    room = int(at.max()) + size - len(window)
+    if room > 0:
+        window = np.concatenate((window, np.zeros(room, dtype=np.uint8)))
+    every_row = np.ndarray((len(window) - size + 1,), dtype=f"V{size}", buffer=window, strides=(1,))
+    rows[:] = every_row[at].view(np.uint8).reshape(len(at), size)
+    if int(length.min()) < size:
+        rows[np.arange(size) >= length[:, None]] = 0
+
+
+def _windows_needed(
+    wanted: Mapping[int, tuple[Frames, int]], size: int
+) -> Iterator[tuple[int, int]]:
+    """Yield the windows, as (start, stop), in which at least one wanted frame starts."""
+    needed = np.zeros(size // WINDOW_BYTES + 1, dtype=np.bool_)
+    lowest, highest = size, 0
+    for frames, _ in wanted.values():
+        needed[frames.offset // WINDOW_BYTES] = True
+        lowest = min(lowest, int(frames.offset[0]))
+        highest = max(highest, int(frames.offset[-1]))
+    for number in np.flatnonzero(needed).tolist():
+        start, stop = number * WINDOW_BYTES, (number + 1) * WINDOW_BYTES
+        yield max(start, lowest), min(stop, highest + 1)
+
+
+def gather(source: Source, wanted: Mapping[int, tuple[Frames, int]]) -> dict[int, Bytes]:
+    """Return the payloads (n, size) of each key's frames; frames in file order, size in bytes."""
+    payloads = {
+        key: np.empty((len(frames), size), dtype=np.uint8) for key, (frames, size) in wanted.items()
+    }
+    starts = {key: frames.offset + frames.header_length for key, (frames, _) in wanted.items()}
+    for start, stop in _windows_needed(wanted, source.size):
+        window = source.read(start, stop + 512)
+        for key, (frames, _) in wanted.items():
+            first, last = np.searchsorted(frames.offset, (start, stop))
+            if first < last:
+                length = frames.length[first:last].astype(np.int64)
+                _fill(payloads[key][first:last], window, starts[key][first:last] - start, length)
+    return payloads

@@ -1,0 +1,116 @@
+"""Read a log: from a file, from memory, or window by window."""
+
+import re
+from collections.abc import Iterable, Iterator
+from fnmatch import fnmatchcase
+from os import PathLike
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flightstack.logs.dialect.dialect import ids_by_name, message_id
+from flightstack.logs.errors import LogFileError
+from flightstack.logs.tlog import clock
+from flightstack.logs.tlog.boot_clock import times_since_boot_us
+from flightstack.logs.tlog.chain import find_chained
+from flightstack.logs.tlog.frames import IS_UNKNOWN, NO_TIME, Frames, join
+from flightstack.logs.tlog.log import Log
+from flightstack.logs.tlog.scanner import scan
+from flightstack.logs.tlog.source import (
+    WINDOW_BYTES,
+    MemorySource,
+    Source,
+    held,
+    mapped,
+    open_source,
+)
+from flightstack.logs.tlog.unknown import doubtful
+
+
+def from_frames(source: Source, frames: Frames) -> Log:
+    """Return a log of frames that were found in `source`."""
+    if (frames.flags & IS_UNKNOWN).any():
+        frames = frames.take(~doubtful(frames))
+    if len(frames) and bool((frames.time_us == NO_TIME).all()):
+        return Log(source, frames, times_since_boot_us(source, frames))
+    times, _ = clock.mend(frames.time_us)
+    return Log(source, frames, times)
+
+
+def _known_ids(patterns: Iterable[str]) -> list[int] | None:
+    """Return the ids that the patterns match; None if one might match an unknown message too."""
+    found: set[int] = set()
+    for pattern in patterns:
+        start = re.split(r"[*?[]", pattern, maxsplit=1)[0]
+        if "UNKNOWN_".startswith(start) or start.startswith("UNKNOWN_"):
+            return None
+        ids = [msgid for name, msgid in ids_by_name().items() if fnmatchcase(name, pattern)]
+        found.update(ids or [message_id(pattern)])
+    return sorted(found)
+
+
+def _read_whole(source: Source, window_bytes: int = WINDOW_BYTES) -> Log:
+    """Return the log with all of its frames; LogFileError where there are none."""
+    source = held(source)
+    log = from_frames(source, join(list(scan(source, window_bytes))))
+    if not len(log):
+        raise LogFileError(
+            f"{source.name} holds no MAVLink frame: it is no tlog, or damaged throughout"
+        )
+    return log
+
+
+def _read_types(source: Source, patterns: Iterable[str], window_bytes: int) -> Log | None:
+    """Return the log with frames of these types, None where it has to be read whole for them."""
+    msgids = _known_ids(patterns)
+    frames = None if msgids is None else find_chained(mapped(source), msgids, window_bytes)
+    if frames is None:
+        return None
+    return Log(source, frames, frames.time_us, lambda: _read_whole(source, window_bytes))
+
+
+def read(
+    path: str | PathLike[str],
+    *,
+    types: Iterable[str] | None = None,
+    system: int | None = None,
+    component: int | None = None,
+    start_us: int | None = None,
+    end_us: int | None = None,
+    window_bytes: int = WINDOW_BYTES,
+) -> Log:
+    """Read a log: find every frame, check every checksum, decode nothing yet.
+
+    Where only some types are asked for, and the log is whole, checksums of others are not computed.
+    The file is read in windows, so that memory is bounded by the index (26 bytes a frame) and by
+    what is asked for. Raises LogFileError, one line that says what to do, for what is no log.
+    """
+    source = open_source(path)
+    patterns = None if types is None else list(types)
+    log = None if patterns is None else _read_types(source, patterns, window_bytes)
+    if log is None:
+        log = _read_whole(source, window_bytes)
+    return log.select(
+        types=patterns, system=system, component=component, start_us=start_us, end_us=end_us
+    )
+
+
+def read_bytes(data: bytes | NDArray[np.uint8], name: str = "memory") -> Log:
+    """Read a log from memory; one that holds no frame is an empty log."""
+    source = MemorySource(np.frombuffer(data, dtype=np.uint8), name)
+    return from_frames(source, join(list(scan(source))))
+
+
+def read_windows(
+    path: str | PathLike[str],
+    *,
+    types: Iterable[str] | None = None,
+    window_bytes: int = WINDOW_BYTES,
+) -> Iterator[Log]:
+    """Yield the log in pieces, one a window: memory stays bounded whatever the log's size."""
+    source = open_source(path)
+    patterns = None if types is None else list(types)
+    for frames in scan(source, window_bytes):
+        if len(frames):
+            piece = from_frames(source, frames)
+            yield piece if patterns is None else piece.select(types=patterns)

@@ -1,0 +1,148 @@
+"""Find frames whose message is in no definition, and check them all the same.
+
+Their CRC_EXTRA is not known, but only one byte can make a checksum hold, for one in 256 wrong
+checksums none can, and it must be the same byte for every frame of that message. Candidates are
+taken only where they fill a gap between frames, record after record.
+"""
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flightstack.logs.dialect.dialect import framing_tables
+from flightstack.logs.tlog import crc
+from flightstack.logs.tlog.frames import (
+    CHECKSUM,
+    HEADER_V1,
+    HEADER_V2,
+    IS_SIGNED,
+    IS_UNKNOWN,
+    IS_V2,
+    NO_TIME,
+    SIGNATURE,
+    TIMESTAMP,
+    Frames,
+)
+
+NO_EXTRA = -1
+
+
+@cache
+def _known_ids() -> frozenset[int]:
+    return frozenset(framing_tables().ids.tolist())
+
+
+@cache
+def _byte_of_state() -> NDArray[np.int16]:
+    table = np.full(1 << 16, NO_EXTRA, dtype=np.int16)
+    table[crc.byte_table()] = np.arange(256)
+    return table
+
+
+def _unknown_end(data: NDArray[np.uint8], at: int) -> int:
+    """Return where a frame of an unknown message at `at` ends, -1 where there is none."""
+    if at + HEADER_V2 > len(data):
+        return -1
+    magic, length, incompatible = data[at : at + 3].tolist()
+    if magic == 0xFD and incompatible <= 1:
+        low, middle, high = data[at + 7 : at + 10].tolist()
+        msgid = low | middle << 8 | high << 16
+        end = at + HEADER_V2 + length + CHECKSUM + SIGNATURE * incompatible
+    elif magic == 0xFE:
+        msgid = int(data[at + 5])
+        end = at + HEADER_V1 + length + CHECKSUM
+    else:
+        return -1
+    return -1 if msgid in _known_ids() or end > len(data) else int(end)
+
+
+def _walk(data: NDArray[np.uint8], gap: tuple[int, int], limit: int) -> list[int]:
+    """Return the positions of frames that fill a gap record by record, from its left edge."""
+    left, right = gap
+    found: list[int] = []
+    edge = left
+    while edge + TIMESTAMP < right:
+        at = edge + TIMESTAMP
+        end = _unknown_end(data, at)
+        if end < 0:
+            at, end = edge, _unknown_end(data, edge)
+        if end < 0 or end > right:
+            break
+        if at >= limit:
+            return found
+        found.append(at)
+        edge = end
+    fills_gap = edge in (right, right - TIMESTAMP)
+    return found if fills_gap else found[:-1]
+
+
+def _inferred_extra(
+    data: NDArray[np.uint8], at: NDArray[np.int64], length: NDArray[np.int64]
+) -> NDArray[np.int16]:
+    """Return the one byte that makes each checksum hold, NO_EXTRA where none does."""
+    state = crc.checksums(data, at + 1, length)
+    check_at = at + 1 + length
+    stored = data[check_at].astype(np.uint16) | data[check_at + 1].astype(np.uint16) << 8
+    needed = _byte_of_state()[stored ^ state >> 8]
+    return np.where(needed == NO_EXTRA, NO_EXTRA, needed ^ (state & 0xFF)).astype(np.int16)
+
+
+def _gaps(frames: Frames, free_from: int, size: int) -> list[tuple[int, int]]:
+    left = np.r_[np.int64(free_from), frames.end]
+    right = np.r_[frames.offset, np.int64(size)]
+    wide = np.flatnonzero(right - left > TIMESTAMP)
+    return list(zip(left[wide].tolist(), right[wide].tolist(), strict=True))
+
+
+def find_unknown(
+    data: NDArray[np.uint8], frames: Frames, *, free_from: int, limit: int
+) -> Frames | None:
+    """Return the frames of unknown messages in the gaps between `frames`, None where none are."""
+    places: list[int] = []
+    for gap in _gaps(frames, free_from, len(data)):
+        places += _walk(data, gap, limit)
+    if not places:
+        return None
+    at = np.array(places, dtype=np.int64)
+    is_v2 = data[at] == 0xFD
+    header = np.where(is_v2, HEADER_V2, HEADER_V1)
+    length = data[at + 1].astype(np.int64)
+    extra = _inferred_extra(data, at, header - 1 + length)
+    wide_id = (
+        data[at + 7] | data[at + 8].astype(np.uint32) << 8 | data[at + 9].astype(np.uint32) << 16
+    )
+    words = np.ndarray((len(data) - 7,), dtype=">u8", buffer=data, strides=(1,))
+    has_time = (at >= TIMESTAMP) & ~np.isin(at, np.r_[np.int64(free_from), frames.end])
+    sequence_at = at + np.where(is_v2, 4, 2)
+    flags = IS_UNKNOWN + is_v2 * (IS_V2 + IS_SIGNED * (data[at + 2] == 1))
+    found = Frames(
+        offset=at,
+        time_us=np.where(has_time, words[at - TIMESTAMP].astype(np.int64), NO_TIME),
+        msgid=np.where(is_v2, wide_id, data[at + 5]).astype(np.uint32),
+        system=data[sequence_at + 1],
+        component=data[sequence_at + 2],
+        sequence=data[sequence_at],
+        length=length.astype(np.uint8),
+        flags=flags.astype(np.uint8),
+        extra=extra.astype(np.uint8),
+    )
+    return found.take(extra != NO_EXTRA)
+
+
+def doubtful(frames: Frames) -> NDArray[np.bool_]:
+    """Return which frames of unknown messages are not to be believed.
+
+    Those whose CRC_EXTRA is not what most frames of that message have; and, where the log is
+    damaged elsewhere, one that is alone: it may be a known message whose id was hit.
+    """
+    wrong = np.zeros(len(frames), dtype=np.bool_)
+    unknown = np.flatnonzero(frames.flags & IS_UNKNOWN)
+    space = frames.offset[1:] - frames.end[:-1]
+    is_damaged = bool(np.any((space != TIMESTAMP) & (space != 0)))
+    for msgid in np.unique(frames.msgid[unknown]).tolist():
+        rows = unknown[frames.msgid[unknown] == msgid]
+        majority = np.bincount(frames.extra[rows]).argmax()
+        agree = frames.extra[rows] == majority
+        wrong[rows] = ~agree | (is_damaged and np.count_nonzero(agree) == 1)
+    return wrong

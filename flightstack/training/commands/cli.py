@@ -1,0 +1,124 @@
+"""Make training data, train perception and policies, and write model folders.
+
+All of it with `all`, or one step at a time. Whatever is interrupted goes on where it stopped.
+"""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from flightstack.errors import FlightstackError
+
+PROGRAM = "python -m flightstack.training"
+EXIT_INTERRUPTED = 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
+    try:
+        # Here, not above: --help and a mistyped option must not wait for torch.
+        from flightstack.training.commands.commands import run  # noqa: PLC0415
+
+        run(options)
+    except FlightstackError as error:
+        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        return error.exit_code
+    except KeyboardInterrupt:
+        print(f"{PROGRAM}: interrupted; the same command goes on from here", file=sys.stderr)
+        return EXIT_INTERRUPTED
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog=PROGRAM, description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    _add_all(commands.add_parser("all", help="data, encoders, policies and model folders"))
+    _add_data(commands.add_parser("data", help="make one dataset, or look at one"))
+    _add_perception(commands.add_parser("perception", help="train one CM-VAE"))
+    _add_policy(commands.add_parser("policy", help="train policies on one CM-VAE"))
+    _add_calibrate(commands.add_parser("calibrate", help="measure a model's variances anew"))
+    return parser
+
+
+def _add_all(parser: argparse.ArgumentParser) -> None:
+    _add_recipe(parser)
+    _add_training(parser)
+    parser.add_argument("--out", type=Path, default=Path("models"), help="model folders")
+    parser.add_argument("--runs", type=Path, default=Path("runs"), help="checkpoints, pictures")
+    _add_seed(parser)
+    parser.add_argument(
+        "--data-seed", type=int, help="of the data alone: other trainings on the same data"
+    )
+    parser.add_argument("--only", nargs="+", default=[], metavar="MODEL", help="for example m0 m4")
+
+
+def _add_data(parser: argparse.ArgumentParser) -> None:
+    kinds = parser.add_subparsers(dest="kind", required=True, metavar="KIND")
+    perception = kinds.add_parser("perception", help="images of gates and the nearest one's pose")
+    control = kinds.add_parser("control", help="flights and the expert's commands")
+    for making in (perception, control):
+        making.add_argument("--images", type=int, required=True)
+        making.add_argument("--jobs", type=int, default=-1, help="processes (default: all cores)")
+        making.add_argument("--out", type=Path, help="instead of DATA/RECIPE/KIND")
+        _add_recipe(making)
+        _add_seed(making)
+    control.add_argument("--pilot", metavar="MODEL", help="a round of DAgger: this model flies")
+    control.add_argument(
+        "--pilot-share", type=float, default=0.5, help="of the flights (default: 0.5)"
+    )
+    look = kinds.add_parser("look", help="draw images with their labels, and histograms")
+    look.add_argument("dataset", type=Path, help="its folder")
+    look.add_argument("--out", type=Path, help="folder of the pictures (default: DATASET/look)")
+    _add_seed(look)
+
+
+def _add_perception(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--data", type=Path, required=True, help="folder of a dataset")
+    parser.add_argument("--out", type=Path, required=True, help="folder of the run")
+    parser.add_argument("--encoder", choices=("mcd", "plain"), default="mcd")
+    parser.add_argument("--epochs", type=int, help="instead of the preset's")
+    _add_training(parser)
+    _add_seed(parser)
+
+
+def _add_policy(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--data", type=Path, nargs="+", required=True, help="folders of datasets, read as one"
+    )
+    parser.add_argument("--perception", type=Path, required=True, help="folder of a CM-VAE's run")
+    parser.add_argument("--out", type=Path, required=True, help="folder of the run")
+    kinds = ("ensemble", "single", "deterministic")
+    parser.add_argument("--kind", choices=kinds, default="ensemble")
+    parser.add_argument("--bootstrap", action="store_true", help="each member draws its own data")
+    parser.add_argument("--mixture", type=int, default=1, help="Gaussians a member (default: 1)")
+    parser.add_argument("--epochs", type=int, help="instead of the preset's")
+    _add_training(parser)
+    _add_seed(parser)
+
+
+def _add_calibrate(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("model", help="for example strong/m0")
+    parser.add_argument(
+        "--images", type=int, default=6000, help="of flights over validation tracks (default: 6000)"
+    )
+    parser.add_argument("--data", type=Path, help="instead: the validation images of control data")
+    _add_seed(parser)
+
+
+def _add_recipe(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--recipe", default="strong", help="of the data (default: strong)")
+    parser.add_argument("--data", type=Path, default=Path("data"), help="folder of all data")
+
+
+def _add_training(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--preset", choices=("quick", "full"), default="quick")
+    parser.add_argument("--device", choices=("cpu", "cuda"), default="cpu")
+
+
+def _add_seed(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--seed", type=int, default=0, help="of all chance (default: 0)")

@@ -1,0 +1,100 @@
+"""What the command line's commands do; importing this imports torch."""
+
+import argparse
+from dataclasses import replace
+
+import torch
+
+from flightstack import models
+from flightstack.errors import UsageError
+from flightstack.training.commands.everything import Plan, train_all
+from flightstack.training.data.data import generate_control, generate_perception
+from flightstack.training.data.dataset import join, read_dataset
+from flightstack.training.data.look import look
+from flightstack.training.data.piloting import Piloting
+from flightstack.training.models.recalibrate import Labelled, recalibrate
+from flightstack.training.models.runs import read_run
+from flightstack.training.perception.perception import train_perception
+from flightstack.training.policy.policy import train_policy
+from flightstack.training.presets import perception_settings, policy_settings
+from flightstack.training.recipe import Recipe
+
+THREADS = 1  # one compute thread a process: two processes beat two threads
+
+
+def run(options: argparse.Namespace) -> None:
+    """Run the command that was parsed."""
+    torch.set_num_threads(THREADS)
+    if getattr(options, "device", "cpu") == "cuda" and not torch.cuda.is_available():
+        raise UsageError("--device cuda: torch finds no CUDA device here; leave the option out")
+    commands = {
+        "all": _all,
+        "data": _data,
+        "perception": _perception,
+        "policy": _policy,
+        "calibrate": _calibrate,
+    }
+    commands[options.command](options)
+
+
+def _all(options: argparse.Namespace) -> None:
+    train_all(
+        Plan(
+            recipe=options.recipe,
+            preset=options.preset,
+            seed=options.seed,
+            data_seed=options.seed if options.data_seed is None else options.data_seed,
+            device=options.device,
+            data=options.data,
+            runs=options.runs,
+            models=options.out,
+            only=tuple(options.only),
+        )
+    )
+
+
+def _data(options: argparse.Namespace) -> None:
+    if options.kind == "look":
+        look(options.dataset, options.out or options.dataset / "look", seed=options.seed)
+        return
+    recipe = Recipe.load(options.recipe)
+    folder = options.out or options.data / options.recipe / options.kind
+    common = {"images": options.images, "seed": options.seed, "jobs": options.jobs}
+    if options.kind == "perception":
+        generate_perception(folder, recipe, **common)
+        return
+    pilot = options.pilot and Piloting.by(options.pilot, options.pilot_share)
+    generate_control(folder, recipe, piloting=pilot, **common)
+
+
+def _perception(options: argparse.Namespace) -> None:
+    settings = perception_settings(
+        options.preset, encoder=options.encoder, seed=options.seed, epochs=options.epochs
+    )
+    train_perception(
+        read_dataset(options.data), settings, options.out, device=torch.device(options.device)
+    )
+
+
+def _policy(options: argparse.Namespace) -> None:
+    perception = read_run(options.perception)
+    settings = policy_settings(
+        options.preset, kind=options.kind, seed=options.seed, epochs=options.epochs
+    )
+    train_policy(
+        join([read_dataset(folder) for folder in options.data]),
+        perception.encoder(),
+        replace(settings, bootstrap=options.bootstrap, mixture=options.mixture),
+        options.out,
+        perception=perception.sha256,
+        device=torch.device(options.device),
+    )
+
+
+def _calibrate(options: argparse.Namespace) -> None:
+    if options.data is not None:
+        validation = Labelled.held_out(read_dataset(options.data))
+    else:
+        recipe = models.read_config(models.find(options.model) / models.CONFIG_FILE).recipe
+        validation = Labelled.flown(recipe, images=options.images, seed=options.seed)
+    recalibrate(options.model, validation, seed=options.seed)

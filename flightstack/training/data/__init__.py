@@ -1,0 +1,1 @@
+"""The data: expert pilot, flights, gate views, data sets."""

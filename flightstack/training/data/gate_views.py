@@ -1,0 +1,128 @@
+"""Perception data: single images of gates with the pose of the nearest one.
+
+Every image has a look, an attitude and a height of its own. The labelled gate's direction is
+drawn over the field of view, and farther gates may stand behind it as distractors, as on a course.
+"""
+
+import math
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from flightstack.training.recipe import ViewRecipe
+from sitl.frames import euler_from_quaternion, quaternion_from_euler, rotate, wrap_pi
+from sitl.records.course import Gate
+from sitl.records.motion import Quaternion, Vector3
+from sitl.sensors.camera.camera import Camera
+from sitl.sensors.camera.look import draw_look, in_fog
+
+LABEL_NAMES = ("range_m", "azimuth_rad", "elevation_rad", "gate_yaw_rad")
+PARKED_NED = (0.0, 0.0, 1000.0)  # where gates wait that are not in the image
+
+
+class ViewRenderer:
+    """Draw labelled views one after another."""
+
+    def __init__(self, recipe: ViewRecipe) -> None:
+        self._recipe = recipe
+        parked = tuple(
+            Gate(index=i, centre_ned=PARKED_NED, yaw_rad=0.0)
+            for i in range(1 + recipe.most_distractors)
+        )
+        self._camera = Camera(parked, draw_look(np.random.default_rng(0)))
+        self._parked = parked
+
+    def close(self) -> None:
+        """Free the renderer."""
+        self._camera.close()
+
+    def draw(self, rng: np.random.Generator) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+        """One image (64, 64, 3) and its label (4,)."""
+        recipe = self._recipe
+        height_m = float(rng.uniform(*recipe.height_m))
+        attitude = quaternion_from_euler(
+            float(rng.uniform(-recipe.tilt_rad, recipe.tilt_rad)),
+            float(rng.uniform(-recipe.tilt_rad, recipe.tilt_rad)),
+            float(rng.uniform(-math.pi, math.pi)),
+        )
+        position = (0.0, 0.0, -height_m)
+        target, label = self._draw_target(rng, position, attitude)
+        distractors = [
+            self._draw_distractor(rng, position, attitude, float(label[0]))
+            for _ in range(int(rng.integers(recipe.most_distractors + 1)))
+        ]
+        parked = self._parked[1 + len(distractors) :]
+        self._camera.place_gates((target, *distractors, *parked))
+        look = draw_look(rng)
+        self._camera.set_look(in_fog(look, recipe.fog.draw_visibility_m(rng)))
+        return self._spoil(rng, self._camera.render(position, attitude)), label
+
+    def _draw_target(
+        self, rng: np.random.Generator, position: Vector3, attitude: Quaternion
+    ) -> tuple[Gate, NDArray[np.float32]]:
+        recipe = self._recipe
+        while True:
+            range_m = _draw_range(rng, recipe)
+            azimuth = float(rng.uniform(-recipe.azimuth_rad, recipe.azimuth_rad))
+            elevation = float(rng.uniform(-recipe.elevation_rad, recipe.elevation_rad))
+            centre = place(position, attitude, range_m, azimuth, elevation)
+            if _stands_above_ground(centre):
+                break
+        if rng.random() < recipe.gate_yaw_uniform_share:
+            gate_yaw = float(rng.uniform(-recipe.gate_yaw_rad, recipe.gate_yaw_rad))
+        else:
+            drawn = float(rng.normal(0.0, recipe.gate_yaw_std_rad))
+            gate_yaw = max(-recipe.gate_yaw_rad, min(recipe.gate_yaw_rad, drawn))
+        heading = euler_from_quaternion(attitude)[2]
+        gate = Gate(index=0, centre_ned=centre, yaw_rad=wrap_pi(heading + gate_yaw))
+        return gate, np.array([range_m, azimuth, elevation, gate_yaw], dtype=np.float32)
+
+    def _draw_distractor(
+        self, rng: np.random.Generator, position: Vector3, attitude: Quaternion, target_m: float
+    ) -> Gate:
+        recipe = self._recipe
+        while True:
+            range_m = target_m + float(rng.uniform(*recipe.distractor_gap_m))
+            azimuth = float(rng.uniform(-recipe.azimuth_rad, recipe.azimuth_rad))
+            elevation = float(rng.uniform(-recipe.elevation_rad, recipe.elevation_rad)) / 2.0
+            centre = place(position, attitude, range_m, azimuth, elevation)
+            if _stands_above_ground(centre):
+                yaw = float(rng.uniform(-math.pi, math.pi))
+                return Gate(index=0, centre_ned=centre, yaw_rad=yaw)
+
+    def _spoil(self, rng: np.random.Generator, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Blur and add sensor noise to a share of the images."""
+        recipe = self._recipe
+        if rng.random() < recipe.blur_share:
+            std_px = float(rng.uniform(*recipe.blur_std_px))
+            image = np.asarray(cv2.GaussianBlur(image, (0, 0), std_px), dtype=np.uint8)
+        if rng.random() < recipe.noise_share:
+            noise = rng.standard_normal(image.shape, dtype=np.float32)
+            noise *= np.float32(rng.uniform(0.0, recipe.noise_std))
+            image = np.clip(np.rint(image + noise), 0, 255).astype(np.uint8)
+        return image
+
+
+def _draw_range(rng: np.random.Generator, recipe: ViewRecipe) -> float:
+    if recipe.range_uniform:
+        return float(rng.uniform(*recipe.range_m))
+    return math.exp(float(rng.uniform(*np.log(recipe.range_m))))
+
+
+def place(
+    position: Vector3, attitude: Quaternion, range_m: float, azimuth: float, elevation: float
+) -> Vector3:
+    """Where a point stands (m, NED) that a camera sees in that direction (body FRD)."""
+    ahead = math.cos(elevation)
+    ray = (ahead * math.cos(azimuth), ahead * math.sin(azimuth), -math.sin(elevation))
+    north, east, down = rotate(attitude, ray)
+    return (
+        position[0] + range_m * north,
+        position[1] + range_m * east,
+        position[2] + range_m * down,
+    )
+
+
+def _stands_above_ground(centre: Vector3) -> bool:
+    return centre[2] < -0.8  # half of the frame's height

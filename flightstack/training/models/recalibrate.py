@@ -1,0 +1,94 @@
+"""Measure a model on validation flights, as it flies: best member, variance factors, card, metrics.
+
+A stack of policies is calibrated at the end of its training over 32 latent samples an image. The
+models that share it differ in how many they draw, or draw none: so each has factors of its own.
+"""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flightstack import models
+from flightstack.models import Model
+from flightstack.perception.posterior import make_posterior
+from flightstack.policy.ensemble import PolicyEnsemble
+from flightstack.tables import table_text
+from flightstack.training.data.dataset import Dataset
+from flightstack.training.data.flights import fly_until
+from flightstack.training.models.assemble import CARD_FILE, METRICS_FILE
+from flightstack.training.models.card import model_card
+from flightstack.training.models.catalogue import read_catalogue
+from flightstack.training.perception.perception import Report
+from flightstack.training.policy.policy_metrics import PolicyMetrics, measure_policy
+from flightstack.training.recipe import Recipe
+from flightstack.training.seeds import VALIDATION_TRACKS
+
+VALIDATION_FLIGHTS = 5  # enters the seed, where data and evaluation have 1 to 4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Labelled:
+    """Images of flights and what the expert commanded."""
+
+    images: NDArray[np.uint8]  # (K, 64, 64, 3)
+    commands: NDArray[np.float64]  # (K, 4) m/s, rad/s
+
+    @classmethod
+    def flown(cls, recipe: str, *, images: int, seed: int) -> Self:
+        """Fly a recipe's expert over validation tracks; raises UsageError for an unknown recipe."""
+        rng = np.random.default_rng([seed, VALIDATION_FLIGHTS])
+        flights = Recipe.load(recipe).flights
+        seen, labels = fly_until(rng, flights, tracks=VALIDATION_TRACKS, images=images)
+        return cls(images=seen, commands=labels.astype(np.float64))
+
+    @classmethod
+    def held_out(cls, dataset: Dataset) -> Self:
+        """Take a dataset's validation split."""
+        at = dataset.splits["validation"]
+        return cls(images=dataset.images[at], commands=dataset.labels[at].astype(np.float64))
+
+
+def recalibrate(name: str, validation: Labelled, *, seed: int, report: Report = print) -> Path:
+    """Write what the validation images say into the model's folder; its weights stay.
+
+    Raises ModelError when there is no such model.
+    """
+    model = models.load(name)
+    folder, config = models.find(name), model.config
+    measured = measure(model, validation, seed=seed)
+    policy = replace(
+        config.policy, variance_factor=measured.variance_factor, best_member=measured.best_member
+    )
+    config = replace(config, policy=policy)
+    metrics: dict[str, Any] = json.loads((folder / METRICS_FILE).read_text())
+    metrics["policy"] = measured.as_dict()
+    (folder / models.CONFIG_FILE).write_text(table_text(config))
+    (folder / METRICS_FILE).write_text(json.dumps(metrics, indent=2) + "\n")
+    (folder / CARD_FILE).write_text(model_card(config, read_catalogue()[config.name], metrics))
+    report(f"{folder.name}: {measured.line()}")
+    return folder
+
+
+def measure(model: Model, validation: Labelled, *, seed: int) -> PolicyMetrics:
+    """Let a model look at images one by one, its variances as they were learned."""
+    config = model.config
+    posterior = make_posterior(config.perception, model.encoder, seed=seed)
+    ensemble = PolicyEnsemble(model.policies, config.policy.velocity_range)
+    said = [ensemble.predict(posterior.sample(rgb)) for rgb in validation.images]
+    return measure_policy(
+        _components([one.mean for one in said]),
+        _components([one.var for one in said]),
+        validation.commands,
+        members=config.policy.members,
+        constant=validation.commands.mean(axis=0),
+    )
+
+
+def _components(parts: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Join K arrays (N, M, 4) to (N M, K, 4), member by member."""
+    joined = np.stack(parts, axis=2)  # (N, M, K, 4)
+    return joined.reshape(-1, *joined.shape[2:])

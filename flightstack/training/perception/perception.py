@@ -1,0 +1,166 @@
+"""Train a CM-VAE, watch that nothing collapses, and write what came out."""
+
+import json
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from safetensors.torch import save_file
+
+from flightstack.errors import UsageError
+from flightstack.perception.cmvae import CmVae, LossTerms
+from flightstack.perception.labels import LABELS, MIRRORED, LabelScale
+from flightstack.training.batches import ImageSource, mirror, shuffled
+from flightstack.training.checkpoint import Checkpoint, identity_of
+from flightstack.training.data.dataset import Dataset
+from flightstack.training.errors import TrainingError
+from flightstack.training.perception.perception_metrics import PerceptionMetrics, measure_perception
+from flightstack.training.perception.pictures import write_reconstructions, write_traversals
+from flightstack.training.presets import PerceptionSettings
+
+EPOCH_VALIDATION_IMAGES = 4096  # enough for a progress line; the last epoch measures all
+PICTURE_IMAGES = 12
+
+Report = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PerceptionRun:
+    """What a finished training left behind."""
+
+    folder: Path
+    model: CmVae
+    scale: LabelScale
+    metrics: PerceptionMetrics
+
+
+class _Trainer:
+    """The networks, the optimiser and the data of one run."""
+
+    def __init__(
+        self, dataset: Dataset, settings: PerceptionSettings, device: torch.device
+    ) -> None:
+        if tuple(dataset.label_names) != LABELS:
+            raise UsageError(
+                f"perception data needs the labels {LABELS}, got {dataset.label_names}"
+            )
+        self.settings, self.device = settings, device
+        self.train, self.validation = dataset.splits["train"], dataset.splits["validation"]
+        self.labels = dataset.labels
+        self.scale = LabelScale.of(dataset.labels[self.train])
+        self.source = ImageSource(dataset.images, self.scale.encode(dataset.labels), device)
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(settings.seed)  # torch initialises layers from the global generator
+            model = CmVae(latent_dims=settings.latent_dims, dropout=settings.dropout)
+        self.model = model.to(device=device, memory_format=torch.channels_last)  # type: ignore[call-overload]
+        self.optimizer = torch.optim.AdamW(
+            self.model.parameters(),
+            lr=settings.learning_rate,
+            weight_decay=settings.weight_decay,
+            fused=True,
+        )
+        self.signs = torch.tensor(MIRRORED, dtype=torch.float32, device=device)
+        self.bfloat16 = device.type != "cpu" or cpu_has_bfloat16()
+
+    def epoch(self, number: int) -> float:
+        """Pass over the training images once; returns the mean loss."""
+        settings = self.settings
+        generator = torch.Generator(self.device).manual_seed(settings.seed * 100_003 + number)
+        steps = len(self.train) // settings.batch
+        reconstructed = max(1, round(settings.batch * settings.image_fraction))
+        loss_sum = torch.zeros((), device=self.device)
+        self.model.train()
+        batches = shuffled(self.train, settings.batch, [settings.seed, number])
+        for step, indices in enumerate(batches, start=number * steps):
+            self._set_learning_rate(step, steps * settings.epochs)
+            images, labels = mirror(*self.source.fetch(indices), self.signs, generator)
+            with torch.autocast(self.device.type, torch.bfloat16, enabled=self.bfloat16):
+                terms: LossTerms = self.model.loss_terms(
+                    images, labels, generator=generator, reconstructed=reconstructed
+                )
+            loss = terms.total(settings.weights)
+            self.optimizer.zero_grad()
+            loss.backward()  # type: ignore[no-untyped-call]
+            self.optimizer.step()
+            loss_sum += loss.detach()
+        return float(loss_sum) / steps
+
+    def measure(self, limit: int | None = None) -> PerceptionMetrics:
+        """Measure on the validation images, or on the first `limit` of them."""
+        indices = self.validation[:limit]
+        constant = np.median(self.labels[self.train], axis=0)
+        return measure_perception(
+            self.model, self.source, indices, self.labels[indices], self.scale, constant
+        )
+
+    def _set_learning_rate(self, step: int, steps: int) -> None:
+        warmup = min(1.0, (step + 1) / self.settings.warmup_steps)
+        cosine = 0.5 * (1.0 + math.cos(math.pi * step / steps))
+        for group in self.optimizer.param_groups:
+            group["lr"] = self.settings.learning_rate * warmup * cosine
+
+
+def train_perception(
+    dataset: Dataset,
+    settings: PerceptionSettings,
+    folder: Path,
+    *,
+    device: torch.device,
+    report: Report = print,
+) -> PerceptionRun:
+    """Train, or go on with, the run in `folder`.
+
+    Raises TrainingError when the loss is not finite, when a label is no better predicted than by a
+    constant, or when the posterior collapsed; UsageError when the data or the folder do not fit.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    trainer = _Trainer(dataset, settings, device)
+    if len(trainer.train) < settings.batch:
+        raise UsageError(f"{len(trainer.train)} training images are fewer than one batch")
+    checkpoint = Checkpoint(folder, identity=identity_of(settings, data_sha256=dataset.sha256))
+    done = checkpoint.restore(model=trainer.model, optimizer=trainer.optimizer)
+    if done:
+        report(f"{folder.name}: going on after epoch {done} of {settings.epochs}")
+    for number in range(done, settings.epochs):
+        start = time.perf_counter()
+        loss = trainer.epoch(number)
+        rate = len(trainer.train) / (time.perf_counter() - start)
+        if not math.isfinite(loss):
+            raise TrainingError(
+                f"{folder.name}: the loss is {loss} in epoch {number + 1}: lower the learning rate"
+            )
+        checkpoint.save(epochs_done=number + 1, model=trainer.model, optimizer=trainer.optimizer)
+        metrics = trainer.measure(EPOCH_VALIDATION_IMAGES)
+        head = f"{folder.name} epoch {number + 1}/{settings.epochs}"
+        report(f"{head}: loss {loss:.4f}, {rate:.0f} images/s, {metrics.line()}")
+    return _finish(trainer, dataset, folder, report)
+
+
+def cpu_has_bfloat16() -> bool:
+    """Whether the processor multiplies bfloat16 natively; in software it would only be slower."""
+    return bool(torch.cpu._is_avx512_bf16_supported())  # noqa: SLF001  torch has no public name
+
+
+def _finish(trainer: _Trainer, dataset: Dataset, folder: Path, report: Report) -> PerceptionRun:
+    metrics = trainer.measure()
+    model = trainer.model.eval()
+    save_file(
+        {key: value.contiguous().cpu() for key, value in model.state_dict().items()},
+        folder / "perception.safetensors",
+    )
+    summary = {
+        **identity_of(trainer.settings, data_sha256=dataset.sha256),
+        "label_scale": {"offset": trainer.scale.offset, "scale": trainer.scale.scale},
+        "metrics": metrics.as_dict(),
+    }
+    (folder / "perception.json").write_text(json.dumps(summary, indent=2) + "\n")
+    images, _ = trainer.source.fetch(trainer.validation[:PICTURE_IMAGES])
+    write_reconstructions(model, images, folder / "reconstructions.png")
+    write_traversals(model, images, folder / "traversals.png")
+    report(f"{folder.name}:\n{metrics.table()}")
+    metrics.require_healthy()
+    return PerceptionRun(folder=folder, model=model, scale=trainer.scale, metrics=metrics)

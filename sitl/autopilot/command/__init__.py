@@ -1,0 +1,1 @@
+"""Who commands: modes, arming, failsafes, commands of others."""

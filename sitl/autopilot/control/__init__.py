@@ -1,0 +1,1 @@
+"""The control cascade: position, attitude, rates, motors."""

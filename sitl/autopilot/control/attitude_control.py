@@ -1,0 +1,76 @@
+"""Attitude control: a quaternion P controller that corrects tilt before heading.
+
+After Brescianini, Hehn, D'Andrea, "Nonlinear Quadrocopter Attitude Control" (2013), with the weight
+on yaw that PX4 gives it (MC_YAW_WEIGHT).
+"""
+
+import math
+
+from sitl.autopilot.parameters import Parameters
+from sitl.records.motion import Quaternion, Vector3
+
+
+class AttitudeControl:
+    """Turns an attitude error into body rates."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        self.load(parameters)
+
+    def load(self, parameters: Parameters) -> None:
+        """Take gains and limits from the parameters."""
+        p = parameters
+        self._yaw_weight = p["MC_YAW_WEIGHT"]
+        yaw_p = p["MC_YAW_P"]  # undo the weight, so that pure yaw errors see the full gain
+        self._gains = (
+            p["MC_ROLL_P"],
+            p["MC_PITCH_P"],
+            yaw_p / self._yaw_weight if self._yaw_weight > 1e-4 else yaw_p,
+        )
+        self._rate_max = tuple(
+            math.radians(p[f"MC_{axis}RATE_MAX"]) for axis in ("ROLL", "PITCH", "YAW")
+        )
+
+    def update(self, q: Quaternion, wanted: Quaternion, yaw_rate_rad_s: float) -> Vector3:
+        """Give body rates (rad/s, FRD) that turn `q` into `wanted`; the yaw rate feeds forward."""
+        w, x, y, z = q
+        ew, ex, ey, ez = _conjugate_product(q, wanted)
+        # The wanted z axis seen from the body, and the least turn that brings it there.
+        bx, by, bz = (
+            2.0 * (ex * ez + ew * ey),
+            2.0 * (ey * ez - ew * ex),
+            1.0 - 2.0 * (ex * ex + ey * ey),
+        )
+        norm = math.sqrt((1.0 + bz) ** 2 + bx * bx + by * by)
+        if norm > 1e-5:
+            rw, rx, ry = (1.0 + bz) / norm, -by / norm, bx / norm
+            mw, mz = rw * ew + rx * ex + ry * ey, rw * ez - rx * ey + ry * ex  # what is left: yaw
+            half = (
+                self._yaw_weight * math.atan2(mz, mw)
+                if mw >= 0.0
+                else self._yaw_weight * math.atan2(-mz, -mw)
+            )
+            c, s = math.cos(half), math.sin(half)
+            ew, ex, ey, ez = rw * c, rx * c + ry * s, ry * c - rx * s, rw * s
+        sign = 2.0 if ew >= 0.0 else -2.0
+        gains, limit = self._gains, self._rate_max
+        # NED down in the body frame carries the yaw rate.
+        roll = sign * ex * gains[0] + yaw_rate_rad_s * 2.0 * (x * z - w * y)
+        pitch = sign * ey * gains[1] + yaw_rate_rad_s * 2.0 * (y * z + w * x)
+        yaw = sign * ez * gains[2] + yaw_rate_rad_s * (1.0 - 2.0 * (x * x + y * y))
+        return (
+            min(max(roll, -limit[0]), limit[0]),
+            min(max(pitch, -limit[1]), limit[1]),
+            min(max(yaw, -limit[2]), limit[2]),
+        )
+
+
+def _conjugate_product(a: Quaternion, b: Quaternion) -> Quaternion:
+    """Conjugate of `a`, times `b`."""
+    aw, ax, ay, az = a
+    bw, bx, by, bz = b
+    return (
+        aw * bw + ax * bx + ay * by + az * bz,
+        aw * bx - ax * bw - ay * bz + az * by,
+        aw * by + ax * bz - ay * bw - az * bx,
+        aw * bz - ax * by + ay * bx - az * bw,
+    )

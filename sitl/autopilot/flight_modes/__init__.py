@@ -1,0 +1,1 @@
+"""What each flight mode wants: setpoints of take-off, mission, return, sticks, offboard."""

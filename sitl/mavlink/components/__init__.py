@@ -1,0 +1,1 @@
+"""The components beside the autopilot: camera and referee."""

@@ -1,0 +1,1 @@
+"""Links over UDP and TCP, and what passes between them."""

@@ -1,0 +1,1 @@
+"""File transfer, log download, and what the vehicle stores."""

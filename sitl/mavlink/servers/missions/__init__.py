@@ -1,0 +1,1 @@
+"""The mission protocol: plans up and down."""

@@ -1,0 +1,1 @@
+"""Setpoints and sticks, as the autopilot takes them."""

@@ -1,0 +1,1 @@
+"""Bytes and messages: dialect, framing, signing, the telemetry log."""

@@ -1,0 +1,1 @@
+"""The process around the simulation: command line, server, pacing, lockstep."""

@@ -1,0 +1,1 @@
+"""What a user may ask of the vehicle on the command line and in files."""

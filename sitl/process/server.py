@@ -1,0 +1,237 @@
+"""Run the vehicle on its sockets: one thread, one selector.
+
+Each tick: step the simulation, say the telemetry of that moment on the links, then, if the
+camera looks, its CAMERA_TRIGGER, then the frame's bytes. What is said leaves before the loop waits
+for anything, and before a frame. In real time, messages are handled between ticks as they come; in
+lockstep only while time stands (see `sitl.process.lockstep`).
+"""
+
+import logging
+import selectors
+import time
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+from sitl.clock import TICK_US
+from sitl.mavlink.endpoint import Endpoint
+from sitl.mavlink.links.link import Link
+from sitl.mavlink.wire.refusals import Refusals
+from sitl.mavlink.wire.tlog import TlogWriter
+from sitl.process.lockstep import Lockstep
+from sitl.process.pacing import Pace
+from sitl.process.streams.camera_stream import CameraStream
+from sitl.process.streams.video import VideoSender
+from sitl.records.images import Frame, FrameStamp
+
+MAX_WAIT_S = 0.1  # so that a signal is soon seen
+STANDING_HEARTBEAT_S = 1.0  # wall time between heartbeats while vehicle time stands
+LIST_WAIT_S = TICK_US / 1e6  # pace of parameter lists while vehicle time stands
+MAX_DATAGRAMS = 64  # of one link at a time: a flood must not stop the clock
+FLUSH_S = 1.0
+BLIND_US = 1_500_000  # vehicle time without a frame, after which lockstep listens between ticks:
+# longer than any gap of a camera that comes back (1.05 s, where it fails intermittently)
+TICKS_AT_ONCE = 25  # without looking up, as fast as possible: a frame comes every 12 or 13
+
+_log = logging.getLogger(__name__)
+
+
+class Simulation(Protocol):
+    """What is run: a vehicle in its world."""
+
+    @property
+    def time_us(self) -> int:
+        """Vehicle time since boot."""
+
+    def step(self) -> None:
+        """Advance by one tick."""
+
+    def frame_due(self) -> bool:
+        """Whether the camera looks at this tick; true once for each."""
+
+    @property
+    def frame_stamp(self) -> FrameStamp:
+        """Time and number of the image that `render` gives."""
+
+    def render(self) -> Frame:
+        """Take an image now."""
+
+
+class Server:
+    """The loop around a simulation, its MAVLink endpoint and its camera stream."""
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        endpoint: Endpoint,
+        links: Sequence[Link],
+        stream: CameraStream,
+        *,
+        speed_factor: float = 1.0,
+        lockstep: bool = False,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Take over open sockets; `clock` is the wall clock in seconds."""
+        self._simulation = simulation
+        self._endpoint = endpoint
+        self._links = links
+        self._stream = stream
+        self._clock = clock
+        self._pace = Pace(speed_factor, clock)
+        self._free_pace = Pace(speed_factor or 1.0, clock)
+        self._lockstep = Lockstep() if lockstep else None
+        self._was_free = True
+        self._frame_us = 0  # vehicle time of the last frame given out
+        self._heartbeat_s = self._flush_s = clock()
+        self._tlog: TlogWriter | None = None
+        self._video: VideoSender | None = None
+        self._refusals = Refusals()
+        self._each_second: list[Callable[[], None]] = []
+        self._stopping = False
+        self._selector = selectors.DefaultSelector()
+        for link in links:
+            link.gather()
+            self._selector.register(link, selectors.EVENT_READ, link)
+        self._selector.register(stream, selectors.EVENT_READ)
+
+    def keep_log(self, tlog: TlogWriter) -> None:
+        """Record all traffic from now on; flushed every second."""
+        self._tlog = tlog
+        for link in self._links:
+            link.add_tap(tlog)
+
+    def watch_refusals(self, refusals: Refusals) -> None:
+        """Say now and then what was refused."""
+        self._refusals = refusals
+
+    def each_second(self, deed: Callable[[], None]) -> None:
+        """Do something once a second of wall time."""
+        self._each_second.append(deed)
+
+    def send_video(self, video: VideoSender) -> None:
+        """Send every frame as video, too."""
+        self._video = video
+
+    def stop(self) -> None:
+        """Let `run` return soon; may be called from a signal handler."""
+        self._stopping = True
+
+    def run(self) -> None:
+        """Run until `stop`."""
+        self._pace.restart(self._simulation.time_us)
+        self._publish()
+        while not self._stopping:
+            if self._lockstep is None:
+                self._run_paced(self._pace)
+            else:
+                self._run_lockstep(self._lockstep)
+            self._flush()
+        self._let_go()
+        self._refusals.report_all()
+        self._selector.close()
+
+    def _run_paced(self, pace: Pace) -> None:
+        """Handle what has come in, then let one tick pass if it is time."""
+        wait_s = pace.wait_s(self._simulation.time_us + TICK_US)
+        self._receive(min(wait_s, MAX_WAIT_S))
+        if wait_s <= MAX_WAIT_S and pace.wait_s(self._simulation.time_us + TICK_US) == 0.0:
+            self._tick()
+
+    def _run_lockstep(self, lockstep: Lockstep) -> None:
+        if not lockstep.may_advance(self._clock(), has_viewers=self._stream.has_viewers):
+            self._stand()
+            return
+        pace = self._free_pace if lockstep.is_free else self._pace
+        if lockstep.is_free != self._was_free:
+            self._was_free = lockstep.is_free
+            pace.restart(self._simulation.time_us)
+        if lockstep.is_free or self._simulation.time_us - self._frame_us > BLIND_US:
+            self._run_paced(pace)
+            return
+        wait_s = pace.wait_s(self._simulation.time_us + TICK_US)
+        if wait_s > 0.0:
+            self._let_go()
+            self._stream.serve(min(wait_s, MAX_WAIT_S))
+        elif pace.is_unlimited:
+            self._run_to_frame()
+        else:
+            self._tick()
+
+    def _run_to_frame(self) -> None:
+        """Let time pass until there is a frame to answer; where none comes, not for ever."""
+        for _ in range(TICKS_AT_ONCE):
+            if self._tick() or self._stopping:
+                return
+
+    def _stand(self) -> None:
+        """Handle what comes in while vehicle time stands; say that the vehicle is alive."""
+        self._receive(LIST_WAIT_S if self._endpoint.is_listing else MAX_WAIT_S)
+        if self._endpoint.is_listing:
+            self._endpoint.advance_lists(TICK_US)
+        now_s = self._clock()
+        if now_s - self._heartbeat_s >= STANDING_HEARTBEAT_S:
+            self._heartbeat_s = now_s
+            self._endpoint.repeat_heartbeats()
+
+    def _receive(self, timeout_s: float) -> None:
+        """Wait for something to come in, and handle it; an answered frame ends it in lockstep."""
+        self._let_go()
+        for key, _ in self._selector.select(timeout_s):
+            if key.fileobj is self._stream:
+                self._stream.serve()
+                continue
+            link: Link = key.data
+            for _ in range(MAX_DATAGRAMS):
+                if not self._endpoint.receive(link):
+                    break
+                if self._note_answer():
+                    return
+
+    def _note_answer(self) -> bool:
+        """Tell the lockstep of a setpoint; whether time may pass now, and did not before."""
+        answered_us = self._endpoint.take_answer()
+        if self._lockstep is None or answered_us < 0:
+            return False
+        has_viewers = self._stream.has_viewers
+        self._lockstep.setpoint_received(answered_us, has_viewers=has_viewers)
+        return self._lockstep.may_advance(self._clock(), has_viewers=has_viewers)
+
+    def _tick(self) -> bool:
+        """Let one tick pass; whether it gave a frame."""
+        self._simulation.step()
+        return self._publish()
+
+    def _publish(self) -> bool:
+        """Send what belongs to this moment: telemetry, then the trigger, then the image if any.
+
+        Whoever awaits the image reads the others while it is being drawn.
+        """
+        self._endpoint.publish()
+        if not self._simulation.frame_due():
+            return False
+        self._endpoint.publish_trigger(self._simulation.frame_stamp)
+        self._let_go()
+        frame = self._simulation.render()
+        self._frame_us = self._simulation.time_us
+        self._heartbeat_s = self._clock()
+        if self._lockstep is not None:
+            self._lockstep.frame_published(frame.time_us, self._heartbeat_s)
+        self._stream.publish(frame)
+        if self._video is not None:
+            self._video.publish(frame)
+        return True
+
+    def _let_go(self) -> None:
+        """Send what the links have gathered since the last wait."""
+        for link in self._links:
+            link.flush()
+
+    def _flush(self) -> None:
+        now_s = self._clock()
+        if now_s - self._flush_s < FLUSH_S:
+            return
+        self._flush_s = now_s
+        self._refusals.report(now_s)
+        for deed in self._each_second:
+            deed()
+        if self._tlog is not None:
+            self._tlog.flush()

@@ -1,0 +1,1 @@
+"""The camera's images over HTTP and as video over RTP."""

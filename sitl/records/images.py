@@ -1,0 +1,23 @@
+"""What the camera took, and when."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class FrameStamp(NamedTuple):
+    """When an image was taken, and its number."""
+
+    time_us: int
+    sequence: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Frame:
+    """One camera image."""
+
+    time_us: int
+    sequence: int
+    rgb: NDArray[np.uint8]  # (H, W, 3)

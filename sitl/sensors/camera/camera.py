@@ -1,0 +1,145 @@
+"""The front camera: a pinhole at the body's origin that looks along its nose and tilts with it."""
+
+import math
+
+import cv2
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from sitl.frames import flip, rotate, to_bullet_quaternion
+from sitl.records.course import Gate
+from sitl.records.gate import BAR_CENTRES, BAR_HALF_EXTENTS
+from sitl.records.motion import Quaternion, Vector3
+from sitl.sensors.camera.background import Background
+from sitl.sensors.camera.look import Look
+
+SIZE_PX = 64
+FIELD_OF_VIEW_DEG = 90.0
+SUPERSAMPLING = 2  # gates are drawn finer and averaged, so that thin far bars do not flicker
+NEAR_M = 0.05
+FAR_M = 60.0
+
+
+class Camera:
+    """Draw gates before ground and sky, in a pybullet client of its own that holds nothing else."""
+
+    def __init__(self, gates: tuple[Gate, ...], look: Look) -> None:
+        self._client: int = pybullet.connect(pybullet.DIRECT)
+        self._fine = SIZE_PX * SUPERSAMPLING
+        self._projection = pybullet.computeProjectionMatrixFOV(
+            FIELD_OF_VIEW_DEG, 1.0, NEAR_M, FAR_M
+        )
+        self._background = Background(_pixel_rays(SIZE_PX))
+        fine_rays = _pixel_rays(self._fine).reshape(3, self._fine, self._fine)
+        self._fine_norms = np.linalg.norm(fine_rays, axis=0)
+        self._bodies = [self._add_gate() for _ in gates]
+        self.look = look
+        self.set_look(look)
+        self.place_gates(gates)
+
+    def close(self) -> None:
+        """Free the renderer."""
+        pybullet.disconnect(self._client)
+
+    def set_look(self, look: Look) -> None:
+        """Change light and colours."""
+        self.look = look
+        for body in self._bodies:
+            for shape in range(len(BAR_CENTRES)):
+                pybullet.changeVisualShape(
+                    body,
+                    -1,
+                    shapeIndex=shape,
+                    rgbaColor=(*look.gate_colour, 1.0),
+                    physicsClientId=self._client,
+                )
+
+    def place_gates(self, gates: tuple[Gate, ...]) -> None:
+        """Move the gates; their number is fixed when the camera is made."""
+        for body, gate in zip(self._bodies, gates, strict=True):
+            half = gate.yaw_rad / 2.0
+            pybullet.resetBasePositionAndOrientation(
+                body,
+                flip(gate.centre_ned),
+                to_bullet_quaternion((math.cos(half), 0.0, 0.0, math.sin(half))),
+                physicsClientId=self._client,
+            )
+
+    def render(self, position_ned: Vector3, q_ned_frd: Quaternion) -> NDArray[np.uint8]:
+        """Take an image of shape (SIZE_PX, SIZE_PX, 3), RGB."""
+        axes = [
+            rotate(q_ned_frd, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+        ]
+        rotation = np.array(axes, dtype=np.float32).T
+        colours = self._background.draw(
+            rotation, np.array(position_ned, dtype=np.float32), self.look
+        )
+        *gates, coverage = cv2.split(self._draw_gates(position_ned, axes[0], axes[2]))
+        planes = colours.reshape(3, SIZE_PX, SIZE_PX)  # a colour at a time: long rows are fast
+        planes *= 1.0 - coverage * np.float32(1.0 / 255.0)
+        planes += gates
+        rgb = cv2.merge(tuple(np.rint(planes).astype(np.uint8)))
+        return np.asarray(rgb, dtype=np.uint8)
+
+    def _draw_gates(
+        self, position_ned: Vector3, forward_ned: Vector3, down_ned: Vector3
+    ) -> NDArray[np.uint8]:
+        """Colour times coverage, and coverage 0..255 of the gates: (H, W, 4)."""
+        eye, forward, down = flip(position_ned), flip(forward_ned), flip(down_ned)
+        view = pybullet.computeViewMatrix(
+            eye,
+            (eye[0] + forward[0], eye[1] + forward[1], eye[2] + forward[2]),
+            (-down[0], -down[1], -down[2]),
+        )
+        _, _, rgba, depth, _ = pybullet.getCameraImage(
+            self._fine,
+            self._fine,
+            view,
+            self._projection,
+            lightDirection=self.look.light_nwu,
+            lightAmbientCoeff=self.look.ambient,
+            lightDiffuseCoeff=self.look.diffuse,
+            lightSpecularCoeff=self.look.specular,
+            shadow=0,
+            renderer=pybullet.ER_TINY_RENDERER,
+            flags=pybullet.ER_NO_SEGMENTATION_MASK,
+            physicsClientId=self._client,
+        )
+        pixels = rgba.view(np.uint32)  # one number a pixel: four times fewer to clear
+        pixels *= (depth < 1.0)[..., None]  # where nothing was drawn
+        if self.look.fog_m < math.inf:
+            self._veil(rgba, depth)
+        mean = cv2.resize(rgba, (SIZE_PX, SIZE_PX), interpolation=cv2.INTER_AREA)
+        return np.asarray(mean, dtype=np.uint8)
+
+    def _veil(self, rgba: NDArray[np.uint8], depth: NDArray[np.float32]) -> None:
+        """Let the fog, which has the horizon's colour, cover gates the more the farther they are.
+
+        `depth` is OpenGL's, 0 at NEAR_M to 1 at FAR_M, along the camera's axis.
+        """
+        drawn = depth < 1.0
+        ahead_m = FAR_M * NEAR_M / (FAR_M - (FAR_M - NEAR_M) * depth[drawn])
+        clear = np.exp(-ahead_m * self._fine_norms[drawn] / self.look.fog_m)[:, None]
+        fog = 255.0 * np.array(self.look.sky_horizon)
+        rgba[drawn, :3] = np.rint(fog + (rgba[drawn, :3] - fog) * clear)
+
+    def _add_gate(self) -> int:
+        shape = pybullet.createVisualShapeArray(
+            shapeTypes=[pybullet.GEOM_BOX] * len(BAR_CENTRES),
+            halfExtents=BAR_HALF_EXTENTS,
+            visualFramePositions=[flip(centre) for centre in BAR_CENTRES],
+            physicsClientId=self._client,
+        )
+        body: int = pybullet.createMultiBody(
+            baseVisualShapeIndex=shape, physicsClientId=self._client
+        )
+        return body
+
+
+def _pixel_rays(size_px: int) -> NDArray[np.float32]:
+    """Rays through the pixel centres, shape (3, H * W): FRD, unit forward component."""
+    reach = math.tan(math.radians(FIELD_OF_VIEW_DEG) / 2.0)
+    steps = ((np.arange(size_px) + 0.5) / size_px * 2.0 - 1.0) * reach
+    right, down = np.meshgrid(steps, steps)
+    return np.stack([np.ones(right.size), right.ravel(), down.ravel()]).astype(np.float32)

@@ -1,0 +1,1 @@
+"""The state estimate and its errors."""

@@ -1,0 +1,83 @@
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sitl.autopilot.control.attitude_control import AttitudeControl
+from sitl.autopilot.parameters import Parameters
+from sitl.frames import quaternion_from_euler
+
+CONTROL = AttitudeControl(Parameters())
+ANGLES = st.floats(-math.pi, math.pi)
+LEVEL = quaternion_from_euler(0.0, 0.0, 0.0)
+SMALL = 0.02  # rad
+
+
+@pytest.mark.parametrize(
+    ("euler", "rates"),
+    [
+        ((SMALL, 0.0, 0.0), (4.0 * SMALL, 0.0, 0.0)),
+        ((0.0, SMALL, 0.0), (0.0, 4.0 * SMALL, 0.0)),
+        ((0.0, 0.0, SMALL), (0.0, 0.0, 2.8 * SMALL)),
+    ],
+)
+def test_small_errors_are_met_with_the_gains(euler, rates):
+    wanted = quaternion_from_euler(*euler)
+    assert CONTROL.update(LEVEL, wanted, 0.0) == pytest.approx(rates, rel=1e-3, abs=1e-6)
+
+
+@given(roll=st.floats(-1.4, 1.4), pitch=st.floats(-1.4, 1.4), yaw=ANGLES)
+def test_no_error_asks_for_no_rate(roll, pitch, yaw):
+    q = quaternion_from_euler(roll, pitch, yaw)
+    assert CONTROL.update(q, q, 0.0) == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
+
+
+@given(roll=ANGLES, pitch=st.floats(-1.5, 1.5), yaw=ANGLES, rate=st.floats(-3.0, 3.0))
+def test_rates_stay_within_their_limits(roll, pitch, yaw, rate):
+    wanted = quaternion_from_euler(roll, pitch, yaw)
+    p, q, r = CONTROL.update(LEVEL, wanted, rate)
+    assert max(abs(p), abs(q)) <= math.radians(220.0) + 1e-6
+    assert abs(r) <= math.radians(200.0) + 1e-6
+
+
+@given(tilt=st.floats(0.2, 1.0), yaw=st.floats(-3.0, 3.0))
+def test_either_sign_of_the_quaternion_means_the_same(tilt, yaw):
+    wanted = quaternion_from_euler(tilt, 0.0, yaw)
+    w, x, y, z = wanted
+    assert CONTROL.update(LEVEL, wanted, 0.0) == pytest.approx(
+        CONTROL.update(LEVEL, (-w, -x, -y, -z), 0.0)
+    )
+
+
+def test_yaw_rate_feeds_forward_about_the_vertical():
+    assert CONTROL.update(LEVEL, LEVEL, 0.5) == pytest.approx((0.0, 0.0, 0.5))
+    pitched = quaternion_from_euler(0.0, 0.3, 0.0)
+    assert CONTROL.update(pitched, pitched, 0.5) == pytest.approx(
+        (-0.5 * math.sin(0.3), 0.0, 0.5 * math.cos(0.3)), abs=1e-6
+    )
+
+
+def test_without_weight_on_yaw_only_the_tilt_is_corrected():
+    parameters = Parameters({"MC_YAW_WEIGHT": 0.0})
+    wanted = quaternion_from_euler(0.5, 0.0, 2.0)
+    p, q, r = AttitudeControl(parameters).update(LEVEL, wanted, 0.0)
+    # The least turn that brings the thrust axis there: about the wanted roll axis, by the tilt.
+    assert (p, q) == pytest.approx(
+        (8.0 * math.sin(0.25) * math.cos(2.0), 8.0 * math.sin(0.25) * math.sin(2.0))
+    )
+    assert r == 0.0
+
+
+def test_a_large_heading_error_does_not_hurry_the_tilt():
+    wanted = quaternion_from_euler(0.5, 0.0, 2.0)
+    p, q, r = CONTROL.update(LEVEL, wanted, 0.0)
+    assert math.hypot(p, q) <= 8.0 * math.sin(0.25) + 1e-9
+    assert 0.0 < r < 2.8 * 2.0
+
+
+def test_upside_down_finds_its_way():
+    wanted = quaternion_from_euler(math.pi, 0.0, 0.0)
+    rates = CONTROL.update(LEVEL, wanted, 0.0)
+    assert all(math.isfinite(rate) for rate in rates)
+    assert math.hypot(*rates) > 1.0

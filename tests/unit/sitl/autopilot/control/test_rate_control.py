@@ -1,0 +1,63 @@
+"""The rate controller, axis by axis."""
+
+import math
+
+import pytest
+
+from sitl.autopilot.control.rate_control import RateControl
+from sitl.autopilot.parameters import Parameters
+
+TICK_S = 0.004
+STILL = (0.0, 0.0, 0.0)
+
+
+@pytest.fixture
+def control() -> RateControl:
+    return RateControl(Parameters({}))
+
+
+def hold(control, wanted, ticks, *, saturated=STILL, landed=False):
+    """Ask for rates that are never reached; the torque at the end."""
+    for _ in range(ticks):
+        torque = control.update(STILL, wanted, TICK_S, saturated=saturated, landed=landed)
+    return torque
+
+
+@pytest.mark.parametrize(("axis", "letters"), [(0, "ROLL"), (1, "PITCH")])
+def test_an_error_that_stays_adds_up_to_its_limit(control, axis, letters):
+    p = Parameters({})
+    wanted = tuple(0.5 if index == axis else 0.0 for index in range(3))
+    gain, limit = p[f"MC_{letters}RATE_P"], p[f"MC_{letters[0]}R_INT_LIM"]
+    assert hold(control, wanted, 1)[axis] == pytest.approx(gain * 0.5)
+    assert hold(control, wanted, 5000)[axis] == pytest.approx(gain * 0.5 + limit)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_nothing_adds_up_against_a_torque_that_the_mixer_cut(control, axis):
+    wanted = tuple(0.5 if index == axis else 0.0 for index in range(3))
+    first = hold(control, wanted, 500, saturated=wanted)
+    assert hold(control, wanted, 500, saturated=wanted) == pytest.approx(first)
+    the_other_way = tuple(-value for value in wanted)
+    assert hold(control, wanted, 500, saturated=the_other_way)[axis] > first[axis]
+
+
+def test_nothing_adds_up_on_the_ground_nor_of_an_error_too_large(control):
+    assert hold(control, (0.5, 0.0, 0.0), 500, landed=True)[0] == pytest.approx(
+        hold(control, (0.5, 0.0, 0.0), 1, landed=True)[0]
+    )
+    hold(control, (math.radians(500.0), 0.0, 0.0), 500)
+    assert hold(control, STILL, 1) == pytest.approx(STILL)
+
+
+def test_a_reset_forgets(control):
+    hold(control, (0.5, 0.5, 0.5), 500)
+    control.reset()
+    assert hold(control, STILL, 1) == STILL
+
+
+def test_a_turn_that_quickens_is_braked_by_d(control):
+    control.update(STILL, STILL, TICK_S, saturated=STILL, landed=False)
+    roll, pitch, _ = control.update(
+        (0.1, -0.1, 0.0), (0.1, -0.1, 0.0), TICK_S, saturated=STILL, landed=False
+    )
+    assert roll < 0.0 < pitch

@@ -1,0 +1,29 @@
+"""Run a vehicle with the drag of PX4's built-in simulator: SIH_KDV 1.0, 1 N/(m/s) for each kg.
+
+Beside the rotors' own drag, which lies in their plane and grows with their speed.
+"""
+
+import dataclasses
+import math
+import sys
+
+import sitl.simulation
+from sitl.process.cli import main
+from sitl.world.airframe import Airframe, load_airframe
+
+SIH_DRAG_1_S = 1.0  # SIH_KDV over SIH_MASS
+ROTORS = 4
+
+
+def load_draggy(name: str) -> Airframe:
+    """Load an airframe and add the frame's drag that it has too little of."""
+    airframe = load_airframe(name)
+    hover_rad_s = airframe.rotor_max_speed_rad_s * math.sqrt(airframe.hover_thrust)
+    wanted = SIH_DRAG_1_S * airframe.mass_kg
+    in_plane = wanted - ROTORS * airframe.rotor_drag_n_s2_m * hover_rad_s
+    return dataclasses.replace(airframe, linear_drag_n_s_m=(in_plane, in_plane, wanted))
+
+
+if __name__ == "__main__":
+    sitl.simulation.load_airframe = load_draggy
+    sys.exit(main())
