@@ -15,7 +15,7 @@ from flightstack.companion.vehicle import Vehicle
 from flightstack.companion.waiting import wait_for_any
 from flightstack.errors import LinkError
 from flightstack.mavlink.commands import CommandSender, request_message
-from flightstack.mavlink.px4 import CAMERA_COMPONENT
+from flightstack.mavlink_numbers import CAMERA_COMPONENT
 
 ASK_S = 0.5
 IDLE_S = 0.1

@@ -29,8 +29,8 @@ from flightstack.companion.mission_state import (
     Request,
     Situation,
 )
-from flightstack.mavlink.px4 import Px4Mode
-from flightstack.mavlink.telemetry import Course, CourseFailure, Landed, Telemetry
+from flightstack.mavlink.telemetry import Course, CourseFailure, LandedState, Telemetry
+from flightstack.px4_modes import Px4Mode
 
 SECOND_US = 1_000_000
 PRESTREAM_US = SECOND_US  # PX4 documents a second of setpoints before OFFBOARD
@@ -87,9 +87,9 @@ def _prepare(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
 
 def _begin_armed(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
     """Go on from where somebody has brought the vehicle: armed on the ground, or holding."""
-    if vehicle.landed is Landed.ON_GROUND:
+    if vehicle.landed is LandedState.ON_GROUND:
         return _enter(state, Phase.TAKING_OFF, now_us, Request.TAKE_OFF)
-    if vehicle.landed is Landed.IN_AIR and vehicle.custom_mode == Px4Mode.LOITER:
+    if vehicle.landed is LandedState.IN_AIR and vehicle.custom_mode == Px4Mode.LOITER:
         return _enter(state, Phase.ENTERING_OFFBOARD, now_us, Request.OFFBOARD_MODE)
     return state, ()
 
@@ -111,7 +111,7 @@ def _taking_off(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
         return _lose_control(state, now_us)
     state = _watch_speed(state, vehicle, now_us)
     settled = state.slow_us is not None and now_us - state.slow_us >= SETTLED_US
-    if vehicle.landed is Landed.IN_AIR and (
+    if vehicle.landed is LandedState.IN_AIR and (
         settled or _in_phase_us(state, now_us) > SETTLED_LATEST_US
     ):
         return _enter(state, Phase.ENTERING_OFFBOARD, now_us, Request.OFFBOARD_MODE)
@@ -164,7 +164,7 @@ def _taken_over(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
 def _landing(state: MissionState, vehicle: Telemetry, now_us: int) -> Step:
     if not vehicle.armed and (vehicle.heartbeat_us or 0) > (state.entered_us or 0):
         return _enter(state, Phase.DONE, now_us)
-    if vehicle.landed is Landed.ON_GROUND:
+    if vehicle.landed is LandedState.ON_GROUND:
         if now_us - vehicle.landed_us < GROUNDED_US:
             return state, ()
         return _ask(state, Request.DISARM, now_us)
@@ -243,7 +243,7 @@ def _end(state: MissionState, outcome: Outcome, vehicle: Telemetry, now_us: int)
     state = _conclude(state, outcome, now_us)
     if state.phase in (Phase.WAITING, Phase.TAKEN_OVER) or not state.lands:
         return _enter(state, Phase.DONE, now_us)
-    on_ground = vehicle.landed is Landed.ON_GROUND
+    on_ground = vehicle.landed is LandedState.ON_GROUND
     return _enter(state, Phase.LANDING, now_us, Request.DISARM if on_ground else Request.LAND)
 
 

@@ -8,10 +8,10 @@ from pymavlink.dialects.v20 import common
 from flightstack.companion.mission_state import MissionState, Phase
 from flightstack.companion.progress import Progress
 from flightstack.companion.vehicle import Vehicle
-from flightstack.mavlink.commands import Refusal, command_name
-from flightstack.mavlink.px4 import mode_name
+from flightstack.mavlink.commands import CommandRefusal, command_name
 from flightstack.mavlink.telemetry import Telemetry
 from flightstack.mavlink.uncertainty import total_std_m_s
+from flightstack.px4_modes import spoken_name
 from flightstack.records import Decision
 
 WARNING_SEVERITY = 4  # MAV_SEVERITY_WARNING; a smaller number is more urgent
@@ -99,13 +99,13 @@ def announcement(state: MissionState) -> str:
     return f"Companion: {state.phase.name.lower()}{reason}".replace("_", " ")
 
 
-def _is_question(refusal: Refusal) -> bool:
+def _is_question(refusal: CommandRefusal) -> bool:
     """Tell questions, which a vehicle may not be able to answer yet, from orders."""
     return bool(refusal.command.number == common.MAV_CMD_REQUEST_MESSAGE)
 
 
 def _phase_line(state: MissionState, telemetry: Telemetry) -> str:
     if state.phase is Phase.TAKEN_OVER:
-        return f"taken over: the vehicle is in {mode_name(telemetry.custom_mode)}, hands off"
+        return f"taken over: the vehicle is in {spoken_name(telemetry.custom_mode)}, hands off"
     reason = f" ({state.outcome.value.replace('_', ' ')})" if state.outcome else ""
     return f"{state.phase.value}{reason}"

@@ -4,14 +4,14 @@ from pymavlink.dialects.v20 import common
 
 from flightstack.companion.mission_state import Request
 from flightstack.mavlink import commands
-from flightstack.mavlink.commands import Command, CommandSender, Refusal
+from flightstack.mavlink.commands import CommandLong, CommandRefusal, CommandSender
 from flightstack.mavlink.course_download import CourseDownload
 from flightstack.mavlink.heartbeat import HeartbeatSender
 from flightstack.mavlink.link import Link, Message
 from flightstack.mavlink.offboard import Velocities, velocity_setpoint
-from flightstack.mavlink.px4 import Px4Mode
-from flightstack.mavlink.telemetry import Telemetry, TelemetryReceiver, Text
+from flightstack.mavlink.telemetry import StatusText, Telemetry, TelemetryReceiver
 from flightstack.mavlink.uncertainty import UncertaintyPublisher
+from flightstack.px4_modes import Px4Mode
 from flightstack.records import Decision
 
 TEXT_BYTES = 50  # of one STATUSTEXT
@@ -39,7 +39,7 @@ class Vehicle:
         )
         self._download = CourseDownload(link)
         self._setpoint: Message | None = None
-        self._refusals: list[Refusal] = []
+        self._refusals: list[CommandRefusal] = []
 
     @property
     def telemetry(self) -> Telemetry:
@@ -62,11 +62,11 @@ class Vehicle:
             elif refusal := self._commands.acknowledge(message):
                 self._refusals.append(refusal)
 
-    def drain_texts(self) -> list[Text]:
+    def drain_texts(self) -> list[StatusText]:
         """Return what the vehicle and its referee have said since the last call."""
         return self._receiver.drain_texts()
 
-    def drain_refusals(self) -> list[Refusal]:
+    def drain_refusals(self) -> list[CommandRefusal]:
         """Return the commands that were denied or never acknowledged since the last call."""
         refusals, self._refusals = self._refusals, []
         return refusals
@@ -110,7 +110,7 @@ class Vehicle:
         line = text.encode()[:TEXT_BYTES]
         self.link.send(common.MAVLink_statustext_message(common.MAV_SEVERITY_INFO, line))
 
-    def _command(self, request: Request) -> Command:
+    def _command(self, request: Request) -> CommandLong:
         if request is Request.TAKE_OFF:
             home_amsl_m = self.telemetry.home_altitude_amsl_m or 0.0  # known before arming
             return commands.take_off(home_amsl_m + self._takeoff_altitude_m)

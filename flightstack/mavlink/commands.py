@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from pymavlink.dialects.v20 import common
 
 from flightstack.mavlink.link import Link, Message
-from flightstack.mavlink.px4 import AUTOPILOT_COMPONENT, COMPANION_COMPONENT, Px4Mode
+from flightstack.mavlink_numbers import AUTOPILOT_COMPONENT, COMPANION_COMPONENT
+from flightstack.px4_modes import Px4Mode
 
 RETRY_US = 500_000  # PX4 and MAVSDK wait as long
 ATTEMPTS = 4  # PX4 and MAVSDK: three retries
@@ -19,7 +20,7 @@ NAN = math.nan  # a parameter of a command that leaves the choice to the vehicle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Command:
+class CommandLong:
     """A COMMAND_LONG: its number, its seven parameters, and the component it is for."""
 
     number: int
@@ -28,16 +29,16 @@ class Command:
 
 
 @dataclass(frozen=True, slots=True)
-class Refusal:
+class CommandRefusal:
     """A command that was denied, or that nobody acknowledged."""
 
-    command: Command
+    command: CommandLong
     reason: str
 
 
 @dataclass(frozen=True, slots=True)
 class _Pending:
-    command: Command
+    command: CommandLong
     attempts: int
     sent_us: int
 
@@ -48,13 +49,13 @@ class CommandSender:
     def __init__(self, link: Link) -> None:
         self._link = link
         self._pending: dict[tuple[int, int], _Pending] = {}
-        self._last: dict[tuple[int, int], Command] = {}
+        self._last: dict[tuple[int, int], CommandLong] = {}
 
-    def request(self, command: Command, now_us: int) -> None:
+    def request(self, command: CommandLong, now_us: int) -> None:
         """Send a command; a pending one of the same kind is forgotten."""
         self._transmit(_Pending(command, 1, now_us))
 
-    def acknowledge(self, ack: Message) -> Refusal | None:
+    def acknowledge(self, ack: Message) -> CommandRefusal | None:
         """Take a COMMAND_ACK; return the refusal that it may be.
 
         PX4 acknowledges DO_SET_MODE twice, and may refuse it only in the second.
@@ -66,9 +67,9 @@ class CommandSender:
         command = self._last.get(key)
         if command is None or ack.result in TAKEN:
             return None
-        return Refusal(command, _result_name(ack.result))
+        return CommandRefusal(command, _result_name(ack.result))
 
-    def poll(self, now_us: int) -> list[Refusal]:
+    def poll(self, now_us: int) -> list[CommandRefusal]:
         """Send again what is overdue; return what nobody acknowledged in all its attempts."""
         given_up = []
         for key, pending in list(self._pending.items()):
@@ -76,7 +77,7 @@ class CommandSender:
                 continue
             if pending.attempts >= ATTEMPTS:
                 del self._pending[key]
-                given_up.append(Refusal(pending.command, "not acknowledged"))
+                given_up.append(CommandRefusal(pending.command, "not acknowledged"))
             else:
                 self._transmit(_Pending(pending.command, pending.attempts + 1, now_us))
         return given_up
@@ -97,44 +98,44 @@ class CommandSender:
         )
 
 
-def arm() -> Command:
+def arm() -> CommandLong:
     """Start the motors, if the vehicle's own checks agree."""
-    return Command(number=common.MAV_CMD_COMPONENT_ARM_DISARM, params=(1, 0, 0, 0, 0, 0, 0))
+    return CommandLong(number=common.MAV_CMD_COMPONENT_ARM_DISARM, params=(1, 0, 0, 0, 0, 0, 0))
 
 
-def disarm() -> Command:
+def disarm() -> CommandLong:
     """Stop the motors; a vehicle in the air refuses."""
-    return Command(number=common.MAV_CMD_COMPONENT_ARM_DISARM, params=(0, 0, 0, 0, 0, 0, 0))
+    return CommandLong(number=common.MAV_CMD_COMPONENT_ARM_DISARM, params=(0, 0, 0, 0, 0, 0, 0))
 
 
-def take_off(altitude_amsl_m: float) -> Command:
+def take_off(altitude_amsl_m: float) -> CommandLong:
     """Climb from here to an altitude above mean sea level, and hold there."""
     params = (0.0, 0.0, 0.0, NAN, NAN, NAN, altitude_amsl_m)
-    return Command(number=common.MAV_CMD_NAV_TAKEOFF, params=params)
+    return CommandLong(number=common.MAV_CMD_NAV_TAKEOFF, params=params)
 
 
-def land() -> Command:
+def land() -> CommandLong:
     """Land here."""
-    return Command(number=common.MAV_CMD_NAV_LAND, params=(0.0, 0.0, 0.0, NAN, NAN, NAN, 0.0))
+    return CommandLong(number=common.MAV_CMD_NAV_LAND, params=(0.0, 0.0, 0.0, NAN, NAN, NAN, 0.0))
 
 
-def set_mode(mode: Px4Mode) -> Command:
+def set_mode(mode: Px4Mode) -> CommandLong:
     """Switch the flight mode."""
     custom = float(common.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
     params = (custom, float(mode.main), float(mode.sub), 0.0, 0.0, 0.0, 0.0)
-    return Command(number=common.MAV_CMD_DO_SET_MODE, params=params)
+    return CommandLong(number=common.MAV_CMD_DO_SET_MODE, params=params)
 
 
-def request_message(number: int, component: int = AUTOPILOT_COMPONENT) -> Command:
+def request_message(number: int, component: int = AUTOPILOT_COMPONENT) -> CommandLong:
     """Ask a component for one message."""
-    return Command(
+    return CommandLong(
         number=common.MAV_CMD_REQUEST_MESSAGE,
         params=(float(number), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
         component=component,
     )
 
 
-def command_name(command: Command) -> str:
+def command_name(command: CommandLong) -> str:
     """Name a command for people, as MAVLink does."""
     entry = common.enums["MAV_CMD"].get(command.number)
     return entry.name.removeprefix("MAV_CMD_") if entry else f"command {command.number}"

@@ -5,7 +5,7 @@
        +-- nothing to download ---+-- ATTEMPTS unanswered: nobody minds ----------+
 
 Nobody flies by what comes: it stands in the log, as all that is received. One request goes out at
-each `poll`, which the flight paces by its frames, so that a vehicle in lockstep hears the same
+each `poll`, which the flight paces by its images, so that a vehicle in lockstep hears the same
 messages at the same moment on every flight.
 """
 
@@ -14,16 +14,16 @@ from enum import Enum, auto
 from pymavlink.dialects.v20 import common
 
 from flightstack.mavlink.link import Link, Message
-from flightstack.mavlink.px4 import COMPANION_COMPONENT, REFEREE_COMPONENT
+from flightstack.mavlink_numbers import COMPANION_COMPONENT, REFEREE_COMPONENT
 
 RETRY_US = 500_000
 ATTEMPTS = 4
-MOST_GATES = 256  # of a course that is worth drawing
+MAX_GATES = 256  # of a course that is worth drawing
 GATES = common.MAV_MISSION_TYPE_MISSION
 ACCEPTED = common.MAV_MISSION_ACCEPTED
 
 
-class Stage(Enum):
+class DownloadStage(Enum):
     """How far the download has come."""
 
     LISTING = auto()
@@ -33,8 +33,8 @@ class Stage(Enum):
 
 
 AWAITED = {
-    Stage.LISTING: common.MAVLINK_MSG_ID_MISSION_COUNT,
-    Stage.FETCHING: common.MAVLINK_MSG_ID_MISSION_ITEM_INT,
+    DownloadStage.LISTING: common.MAVLINK_MSG_ID_MISSION_COUNT,
+    DownloadStage.FETCHING: common.MAVLINK_MSG_ID_MISSION_ITEM_INT,
 }
 
 
@@ -42,7 +42,7 @@ class CourseDownload:
     """Ask the referee item by item; `now_us` is the caller's clock."""
 
     def __init__(self, link: Link) -> None:
-        self.stage = Stage.LISTING
+        self.stage = DownloadStage.LISTING
         self.items = 0  # downloaded so far
         self._link = link
         self._count = 0
@@ -51,18 +51,18 @@ class CourseDownload:
 
     def poll(self, now_us: int) -> None:
         """Send the next request, or again one that was not answered in time."""
-        if self.stage is Stage.DONE:
+        if self.stage is DownloadStage.DONE:
             return
         if self._sent_us is not None and now_us - self._sent_us < RETRY_US:
             return
         if self._attempts >= ATTEMPTS:
-            self.stage = Stage.DONE
+            self.stage = DownloadStage.DONE
             return
         self._attempts += 1
         self._sent_us = now_us
         self._link.send(self._request())
-        if self.stage is Stage.CLOSING:
-            self.stage = Stage.DONE
+        if self.stage is DownloadStage.CLOSING:
+            self.stage = DownloadStage.DONE
 
     def take(self, message: Message) -> None:
         """Take a message of the referee; only the one that is awaited moves the download on."""
@@ -72,7 +72,7 @@ class CourseDownload:
             return
         if message.get_msgId() != AWAITED.get(self.stage):
             return
-        if self.stage is Stage.LISTING:
+        if self.stage is DownloadStage.LISTING:
             self._count = message.count
             self._go_on()
         elif message.seq == self.items:
@@ -81,15 +81,17 @@ class CourseDownload:
 
     def _go_on(self) -> None:
         self._attempts, self._sent_us = 0, None
-        if not 0 < self._count <= MOST_GATES:
-            self.stage = Stage.DONE
+        if not 0 < self._count <= MAX_GATES:
+            self.stage = DownloadStage.DONE
+        elif self.items < self._count:
+            self.stage = DownloadStage.FETCHING
         else:
-            self.stage = Stage.FETCHING if self.items < self._count else Stage.CLOSING
+            self.stage = DownloadStage.CLOSING
 
     def _request(self) -> Message:
-        if self.stage is Stage.LISTING:
+        if self.stage is DownloadStage.LISTING:
             return common.MAVLink_mission_request_list_message(*self._referee, GATES)
-        if self.stage is Stage.FETCHING:
+        if self.stage is DownloadStage.FETCHING:
             return common.MAVLink_mission_request_int_message(*self._referee, self.items, GATES)
         return common.MAVLink_mission_ack_message(*self._referee, ACCEPTED, GATES)
 

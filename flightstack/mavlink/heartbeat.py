@@ -1,7 +1,7 @@
 """Send the companion's heartbeat: once a second of vehicle time, and of wall time.
 
 Both, because the vehicle's clock may run fast, and may stand still while the vehicle waits for us.
-The wall's turn comes a little later, so that where frames come, their stamps alone set the pace.
+The wall's turn comes a little later, so that where images come, their stamps alone set the pace.
 """
 
 import time

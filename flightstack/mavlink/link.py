@@ -1,4 +1,4 @@
-"""Speak MAVLink with one vehicle: every frame is logged, only what is needed is decoded.
+"""Speak MAVLink with one vehicle: every packet is logged, only what is needed is decoded.
 
 The first autopilot heard (component 1, a HEARTBEAT that names an autopilot) is the vehicle. From
 then on datagrams from other addresses are dropped, so that nobody else can pose as it by port.
@@ -17,22 +17,19 @@ from typing import Any, TypeAlias
 from pymavlink.dialects.v20 import common
 
 from flightstack.clock import VehicleClock
-from flightstack.mavlink.framing import (
-    HEADER_V1,
-    HEADER_V2,
-    MAGIC_V2,
-    identify,
-    is_signed,
-)
-from flightstack.mavlink.px4 import (
-    AUTOPILOT_COMPONENT,
-    CAMERA_COMPONENT,
-    COMPANION_COMPONENT,
-    REFEREE_COMPONENT,
-)
+from flightstack.mavlink.packets import identify, is_signed
 from flightstack.mavlink.signing import Signing, Verdict
 from flightstack.mavlink.tlog import TlogWriter
 from flightstack.mavlink.transport import Address, Transport
+from flightstack.mavlink_numbers import (
+    AUTOPILOT_COMPONENT,
+    CAMERA_COMPONENT,
+    COMPANION_COMPONENT,
+    HEADER_V1,
+    HEADER_V2,
+    MAGIC_V2,
+    REFEREE_COMPONENT,
+)
 
 Message: TypeAlias = Any  # pymavlink's classes carry no types
 
@@ -81,7 +78,7 @@ WANTED = {
 
 
 @dataclass(frozen=True, slots=True)
-class Vehicle:
+class VehicleIdentity:
     """Who the link speaks with."""
 
     system_id: int
@@ -104,8 +101,8 @@ class Link:
     ) -> None:
         self.tlog = tlog
         self.clock = clock
-        self.vehicle: Vehicle | None = None
-        self.refused: Counter[Verdict] = Counter()  # frames, by reason
+        self.vehicle: VehicleIdentity | None = None
+        self.refused: Counter[Verdict] = Counter()  # packets, by reason
         self._signing = signing
         self._stale_address: Address | None = None  # of one who may be the vehicle
         self._vehicle_system = NOBODY
@@ -132,24 +129,24 @@ class Link:
     def drain(self) -> list[Message]:
         """Take in all that has arrived; return the decoded messages that the companion uses."""
         messages: list[Message] = []
-        for frames, address in self._transport.receive():
+        for packets, address in self._transport.receive():
             if self.vehicle is not None and address != self.vehicle.address:
                 continue
-            for frame in frames:
-                if self._signing is None or self._admits(frame, address, self._signing):
-                    self._take(frame, address, messages)
-        for frame in self._newest.values():
-            self._decode(frame, messages)
+            for packet in packets:
+                if self._signing is None or self._admits(packet, address, self._signing):
+                    self._take(packet, address, messages)
+        for packet in self._newest.values():
+            self._decode(packet, messages)
         self._newest.clear()
         return messages
 
     def send(self, *messages: Message) -> None:
         """Send messages as component 191 of the vehicle's system, together: in one datagram."""
-        frames = [self._pack(message) for message in messages]
+        packets = [self._pack(message) for message in messages]
         address = self.vehicle.address if self.vehicle else self._stale_address
-        if self._transport.send(b"".join(frames), address):
-            for frame in frames:
-                self.tlog.append(self.clock.elapsed_us, frame)
+        if self._transport.send(b"".join(packets), address):
+            for packet in packets:
+                self.tlog.append(self.clock.elapsed_us, packet)
 
     def close(self) -> None:
         """Write the log out and let go of the transport."""
@@ -158,57 +155,59 @@ class Link:
 
     def _pack(self, message: Message) -> bytes:
         self._protocol.srcSystem = self.system_id
-        frame = bytes(message.pack(self._protocol))
+        packet = bytes(message.pack(self._protocol))
         self._protocol.seq = (self._protocol.seq + 1) % 256
-        return frame if self._signing is None else self._signing.sign(frame)
+        return packet if self._signing is None else self._signing.sign(packet)
 
-    def _admits(self, frame: bytes, address: Address | None, signing: Signing) -> bool:
-        """Whether to heed a frame; what is neither heeded nor refused is logged."""
-        verdict = signing.verify(frame)
+    def _admits(self, packet: bytes, address: Address | None, signing: Signing) -> bool:
+        """Whether to heed a packet; what is neither heeded nor refused is logged."""
+        verdict = signing.verify(packet)
         if verdict is Verdict.STALE:
             self._stale_address = address
         if verdict is Verdict.OPEN:
-            self.tlog.append(self.clock.elapsed_us, frame)
+            self.tlog.append(self.clock.elapsed_us, packet)
         elif verdict is not Verdict.GENUINE:
             self.refused[verdict] += 1
         return verdict is Verdict.GENUINE
 
-    def _take(self, frame: bytes, address: Address | None, messages: list[Message]) -> None:
-        number, system, component = identify(frame)
+    def _take(self, packet: bytes, address: Address | None, messages: list[Message]) -> None:
+        number, system, component = identify(packet)
         if self.vehicle is None:
-            self._meet(frame, number, (system, component), address)
+            self._meet(packet, number, (system, component), address)
         if system != self._vehicle_system:
-            self.tlog.append(self.clock.elapsed_us, frame)
+            self.tlog.append(self.clock.elapsed_us, packet)
             return
         if component == AUTOPILOT_COMPONENT:
             self._heard_s = self._wall_s()
             if number in STAMPED:
-                self._observe_stamp(frame)
-        self.tlog.append(self.clock.elapsed_us, frame)
+                self._observe_stamp(packet)
+        self.tlog.append(self.clock.elapsed_us, packet)
         if number in WANTED.get(component, NOTHING):
             if number in COALESCED:
-                self._newest[number] = frame
+                self._newest[number] = packet
             else:
-                self._decode(frame, messages)
+                self._decode(packet, messages)
 
     def _meet(
-        self, frame: bytes, number: int, source: tuple[int, int], address: Address | None
+        self, packet: bytes, number: int, source: tuple[int, int], address: Address | None
     ) -> None:
         if number != common.MAVLINK_MSG_ID_HEARTBEAT or source[1] != AUTOPILOT_COMPONENT:
             return
         decoded: list[Message] = []
-        self._decode(frame, decoded)
+        self._decode(packet, decoded)
         if decoded and decoded[0].autopilot != common.MAV_AUTOPILOT_INVALID:
-            self.vehicle = Vehicle(source[0], decoded[0].autopilot, address, is_signed(frame))
+            self.vehicle = VehicleIdentity(
+                source[0], decoded[0].autopilot, address, is_signed(packet)
+            )
             self._vehicle_system = source[0]
 
-    def _observe_stamp(self, frame: bytes) -> None:
-        begin = HEADER_V2 if frame[0] == MAGIC_V2 else HEADER_V1
-        end = begin + min(frame[1], STAMP_BYTES)  # MAVLink 2 leaves trailing zeros out
-        self.clock.observe(int.from_bytes(frame[begin:end], "little") * 1000)
+    def _observe_stamp(self, packet: bytes) -> None:
+        begin = HEADER_V2 if packet[0] == MAGIC_V2 else HEADER_V1
+        end = begin + min(packet[1], STAMP_BYTES)  # MAVLink 2 leaves trailing zeros out
+        self.clock.observe(int.from_bytes(packet[begin:end], "little") * 1000)
 
-    def _decode(self, frame: bytes, messages: list[Message]) -> None:
+    def _decode(self, packet: bytes, messages: list[Message]) -> None:
         try:
-            messages.append(self._protocol.decode(bytearray(frame)))
+            messages.append(self._protocol.decode(bytearray(packet)))
         except common.MAVError:  # a field that the dialect refuses
             return

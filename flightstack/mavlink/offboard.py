@@ -5,7 +5,7 @@ import math
 from pymavlink.dialects.v20 import common
 
 from flightstack.mavlink.link import Message
-from flightstack.mavlink.px4 import AUTOPILOT_COMPONENT
+from flightstack.mavlink_numbers import AUTOPILOT_COMPONENT
 
 VELOCITY_AND_YAW_RATE = 0x5C7  # type_mask: ignores position, acceleration and yaw
 TIME_WRAP_MS = 1 << 32
@@ -15,7 +15,7 @@ HOLD: Velocities = (0.0, 0.0, 0.0, 0.0)
 
 
 def velocity_setpoint(system_id: int, stamp_us: int, velocities: Velocities) -> Message:
-    """Build the setpoint that answers the camera frame of this stamp; raises ValueError on NaN."""
+    """Build the setpoint that answers the camera image of this stamp; raises ValueError on NaN."""
     if not all(map(math.isfinite, velocities)):
         raise ValueError(f"velocities: not finite: {velocities}")
     forward, right, down, yaw_rate = velocities

@@ -1,7 +1,7 @@
-"""Sign MAVLink 2 frames, and tell genuine ones from forged, replayed and unsigned ones.
+"""Sign MAVLink 2 packets, and tell genuine ones from forged, replayed and unsigned ones.
 
-A signed frame ends in 13 bytes: link id (1), timestamp (6, in 10 us since 2015), and the first 6
-bytes of SHA-256 over key, frame, link id and timestamp. The hash is looked at first, so that
+A signed packet ends in 13 bytes: link id (1), timestamp (6, in 10 us since 2015), and the first 6
+bytes of SHA-256 over key, packet, link id and timestamp. The hash is looked at first, so that
 nothing that was written without the key can change what is known here.
 
 A stream is a (link id, system, component); its timestamps must grow. The first of a stream may be
@@ -23,16 +23,8 @@ from pathlib import Path
 from pymavlink.dialects.v20 import common
 
 from flightstack.errors import UsageError
-from flightstack.mavlink.framing import (
-    CHECKSUM_BYTES,
-    HEADER_V2,
-    SIGNATURE_BYTES,
-    SIGNED_FLAG,
-    checksum,
-    is_signed,
-    message_id,
-    source_of,
-)
+from flightstack.mavlink.packets import checksum, is_signed, message_id, source_of
+from flightstack.mavlink_numbers import CHECKSUM_BYTES, HEADER_V2, SIGNATURE_BYTES, SIGNED_FLAG
 
 KEY_BYTES = 32
 MAC_BYTES = 6
@@ -41,7 +33,7 @@ EPOCH_S = 1_420_070_400  # 2015-01-01 00:00 UTC, in Unix time
 TICKS_PER_S = 100_000
 LATEST_TICKS = (1 << 8 * STAMP_BYTES) - 1  # the year 2104
 MINUTE_TICKS = 60 * TICKS_PER_S  # how far a new stream may be behind
-MOST_STREAMS = 16  # as many as MAVLink's C library keeps
+MAX_STREAMS = 16  # as many as MAVLink's C library keeps
 OPEN_MESSAGES = frozenset(  # that PX4 takes unsigned, too
     {
         common.MAVLINK_MSG_ID_HEARTBEAT,
@@ -53,7 +45,7 @@ OPEN_MESSAGES = frozenset(  # that PX4 takes unsigned, too
 
 
 class Verdict(Enum):
-    """What a frame is, and for those that are refused why."""
+    """What a packet is, and for those that are refused why."""
 
     GENUINE = "genuine"
     OPEN = "not signed, and need not be"
@@ -78,9 +70,9 @@ class Signing:
         self._newest = 0  # timestamp that was sent or believed
         self._streams: dict[tuple[int, int, int], int] = {}  # newest timestamp of each
 
-    def sign(self, frame: bytes) -> bytes:
-        """Return an unsigned MAVLink 2 frame as a signed one."""
-        body = bytearray(frame[: HEADER_V2 + frame[1]])
+    def sign(self, packet: bytes) -> bytes:
+        """Return an unsigned MAVLink 2 packet as a signed one."""
+        body = bytearray(packet[: HEADER_V2 + packet[1]])
         body[2] |= SIGNED_FLAG
         body += checksum(bytes(body)).to_bytes(CHECKSUM_BYTES, "little")
         self._newest = min(max(self._newest + 1, self._wall_ticks()), LATEST_TICKS)
@@ -88,15 +80,15 @@ class Signing:
         body += self._newest.to_bytes(STAMP_BYTES, "little")
         return bytes(body) + self._mac(bytes(body))
 
-    def verify(self, frame: bytes) -> Verdict:
-        """Judge a whole frame; only a genuine one leaves a trace."""
-        if not is_signed(frame):
-            return Verdict.OPEN if message_id(frame) in OPEN_MESSAGES else Verdict.UNSIGNED
-        if not hmac.compare_digest(self._mac(frame[:-MAC_BYTES]), frame[-MAC_BYTES:]):
+    def verify(self, packet: bytes) -> Verdict:
+        """Judge a whole packet; only a genuine one leaves a trace."""
+        if not is_signed(packet):
+            return Verdict.OPEN if message_id(packet) in OPEN_MESSAGES else Verdict.UNSIGNED
+        if not hmac.compare_digest(self._mac(packet[:-MAC_BYTES]), packet[-MAC_BYTES:]):
             return Verdict.FORGED
-        signature = frame[-SIGNATURE_BYTES:]
+        signature = packet[-SIGNATURE_BYTES:]
         stamp = int.from_bytes(signature[1 : 1 + STAMP_BYTES], "little")
-        stream = (signature[0], *source_of(frame))
+        stream = (signature[0], *source_of(packet))
         refusal = self._find_fault(stream, stamp)
         if refusal is not None:
             return refusal
@@ -110,7 +102,7 @@ class Signing:
             return Verdict.REPLAYED if stamp <= newest else None
         if stamp + MINUTE_TICKS < max(self._newest, self._wall_ticks()):
             return Verdict.STALE
-        return Verdict.CROWDED if len(self._streams) >= MOST_STREAMS else None
+        return Verdict.CROWDED if len(self._streams) >= MAX_STREAMS else None
 
     def _mac(self, signed: bytes) -> bytes:
         keyed = self._keyed.copy()

@@ -7,14 +7,14 @@ from pymavlink.dialects.v20 import common
 
 from flightstack.clock import VehicleClock
 from flightstack.mavlink.link import Message
-from flightstack.mavlink.px4 import CAMERA_COMPONENT, REFEREE_COMPONENT
+from flightstack.mavlink_numbers import CAMERA_COMPONENT, REFEREE_COMPONENT
 
 Vector3 = tuple[float, float, float]
 NO_TOTAL = 65535  # MISSION_CURRENT.total of a vehicle that has no mission
 CHUNK_CHARACTERS = 50  # a STATUSTEXT shorter than this ends its text
 
 
-class Landed(IntEnum):
+class LandedState(IntEnum):
     """Where the vehicle believes itself: MAV_LANDED_STATE."""
 
     UNKNOWN = 0
@@ -59,7 +59,7 @@ class Course:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Text:
+class StatusText:
     """A line for people, from the vehicle or its referee."""
 
     severity: int  # MAV_SEVERITY: 2 critical, 3 error, 4 warning, 6 info
@@ -74,12 +74,12 @@ class Telemetry:
     custom_mode: int = 0
     armed: bool = False
     armable: bool = False
-    landed: Landed = Landed.UNKNOWN
+    landed: LandedState = LandedState.UNKNOWN
     landed_us: int = 0  # since when `landed` holds
     home_altitude_amsl_m: float | None = None
     position_ned: Vector3 | None = None  # m
     velocity_ned: Vector3 | None = None  # m/s
-    trigger_us: int | None = None  # stamp of the newest frame that the camera has announced
+    trigger_us: int | None = None  # stamp of the newest image that the camera has announced
     course: Course = field(default_factory=Course)
 
 
@@ -90,7 +90,7 @@ class TelemetryReceiver:
         self.latest = Telemetry()
         self.stream_uri: str | None = None
         self._clock = clock
-        self._texts: list[Text] = []
+        self._texts: list[StatusText] = []
         self._chunks: dict[tuple[int, int], str] = {}
         self._handlers = {
             common.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
@@ -110,7 +110,7 @@ class TelemetryReceiver:
         if handle is not None:
             handle(message)
 
-    def drain_texts(self) -> list[Text]:
+    def drain_texts(self) -> list[StatusText]:
         """Return the whole texts since the last call."""
         texts, self._texts = self._texts, []
         return texts
@@ -125,7 +125,7 @@ class TelemetryReceiver:
         )
 
     def _extended_sys_state(self, message: Message) -> None:
-        landed = Landed(message.landed_state)
+        landed = LandedState(message.landed_state)
         if landed is not self.latest.landed:
             self.latest = replace(self.latest, landed=landed, landed_us=self._clock.stamp_us)
 
@@ -149,13 +149,13 @@ class TelemetryReceiver:
     def _mission_current(self, message: Message) -> None:
         if message.total == NO_TOTAL:
             return
-        said = self.latest.course
+        known = self.latest.course
         course = replace(
-            said,
-            gates_passed=max(said.gates_passed, message.seq),
+            known,
+            gates_passed=max(known.gates_passed, message.seq),
             gates_total=message.total,
-            finished=said.finished or message.mission_state == common.MISSION_STATE_COMPLETE,
-            failed=said.failed or message.mission_state == common.MISSION_STATE_PAUSED,
+            finished=known.finished or message.mission_state == common.MISSION_STATE_COMPLETE,
+            failed=known.failed or message.mission_state == common.MISSION_STATE_PAUSED,
         )
         self.latest = replace(self.latest, course=course)
 
@@ -171,7 +171,7 @@ class TelemetryReceiver:
             self._chunks[key] = text
             return
         text = text.rstrip("\t")
-        self._texts.append(Text(severity=message.severity, text=text))
+        self._texts.append(StatusText(severity=message.severity, text=text))
         if key[0] == REFEREE_COMPONENT:
             self._judge(text)
 

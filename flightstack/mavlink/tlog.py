@@ -1,6 +1,6 @@
-"""Write a tlog: every frame of both directions, each after its time.
+"""Write a tlog: every packet of both directions, each after its time.
 
-A record is a big-endian 64-bit count of microseconds since 1970, then the frame as it was on the
+A record is a big-endian 64-bit count of microseconds since 1970, then the packet as it was on the
 wire. Times are the wall time of the start plus the vehicle time since, so that rates in the log
 read right at any simulation speed. Only whole records reach the file, in one write each second:
 after a crash of the process the file ends at a record's end. A long flight goes on in more files,
@@ -14,12 +14,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from flightstack.errors import UsageError
+from flightstack.mavlink_numbers import LINK_BITS
 
 FLUSH_S = 0.5  # wall time
 FLUSH_BYTES = 1 << 16
-MOST_BYTES = 256 << 20  # of one file: some three hours at 400 messages a second
+MAX_BYTES = 256 << 20  # of one file: some three hours at 400 messages a second
 TIME = struct.Struct(">Q")
-LINK_BITS = 0x3  # pymavlink reads a link number in the two lowest bits of the time
 
 
 class TlogWriter:
@@ -30,12 +30,12 @@ class TlogWriter:
         path: Path,
         wall_s: Callable[[], float] = time.monotonic,
         *,
-        most_bytes: int = MOST_BYTES,
+        max_bytes: int = MAX_BYTES,
     ) -> None:
         self.path = path  # of the first file
         self._current = path
         self._parts = 1
-        self._most_bytes = most_bytes
+        self._max_bytes = max_bytes
         self.failure: str | None = None
         self._wall_s = wall_s
         self._start_us = time.time_ns() // 1000
@@ -50,10 +50,10 @@ class TlogWriter:
                 f"cannot write the log {path}: {error.strerror}; choose another --log"
             ) from error
 
-    def append(self, elapsed_us: int, frame: bytes) -> None:
-        """Add a frame at a vehicle time counted from the start of the log."""
+    def append(self, elapsed_us: int, packet: bytes) -> None:
+        """Add a packet at a vehicle time counted from the start of the log."""
         time_us = self._start_us + elapsed_us & ~LINK_BITS
-        self._pending += TIME.pack(time_us) + frame
+        self._pending += TIME.pack(time_us) + packet
         if len(self._pending) >= FLUSH_BYTES:
             self.flush()
 
@@ -78,7 +78,7 @@ class TlogWriter:
             self._cut_back()
             return
         self._written += len(pending)
-        if self._written >= self._most_bytes:
+        if self._written >= self._max_bytes:
             self._go_on_in_next_file()
 
     def close(self) -> None:

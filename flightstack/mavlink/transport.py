@@ -13,16 +13,16 @@ from typing import Protocol
 
 from flightstack.errors import LinkError, UsageError
 from flightstack.mavlink.endpoint import Endpoint, Kind
-from flightstack.mavlink.framing import FrameSplitter, split_frames
+from flightstack.mavlink.packets import PacketSplitter, split_packets
 
 CONNECT_TIMEOUT_S = 5.0
 DATAGRAM_BYTES = 65535
 RECEIVE_BUFFER_BYTES = 1 << 20  # bridges the seconds in which a model is being loaded
-MOST_READS = 64  # at once, of a stream; a terminal gives 4 KiB a read
-UNSENT_BYTES = 4096  # five answers to a frame: more would reach a slow peer too late to be of use
+MAX_READS = 64  # at once, of a stream; a terminal gives 4 KiB a read
+UNSENT_BYTES = 4096  # five answers to an image: more would reach a slow peer too late to be of use
 
 Address = tuple[str, int]
-Received = tuple[list[bytes], Address | None]  # frames of one read, and who sent them
+Received = tuple[list[bytes], Address | None]  # packets of one read, and who sent them
 
 
 class Transport(Protocol):
@@ -39,8 +39,8 @@ class Transport(Protocol):
     def forget_backlog(self) -> None:
         """Drop what has come while nobody read, where it may have holes."""
 
-    def send(self, frames: bytes, address: Address | None) -> bool:
-        """Send whole frames, to `address` where we listen; False where there is nobody yet."""
+    def send(self, packets: bytes, address: Address | None) -> bool:
+        """Send whole packets, to `address` where we listen; False where there is nobody yet."""
 
     def close(self) -> None:
         """Let go of the socket or device."""
@@ -56,7 +56,7 @@ def open_transport(endpoint: Endpoint) -> Transport:
 
 
 class UdpTransport:
-    """Datagrams, each holding whole frames; one socket that listens, or that sends first."""
+    """Datagrams, each holding whole packets; one socket that listens, or that sends first."""
 
     def __init__(self, endpoint: Endpoint) -> None:
         self.closed = False
@@ -88,25 +88,25 @@ class UdpTransport:
         return self._socket.fileno()
 
     def receive(self) -> list[Received]:
-        """Return all datagrams that have arrived, cut into frames."""
+        """Return all datagrams that have arrived, cut into packets."""
         received: list[Received] = []
         while True:
             try:
                 datagram, address = self._socket.recvfrom(DATAGRAM_BYTES)
             except OSError:  # nothing more, or an earlier datagram came back as unreachable
                 return received
-            received.append((split_frames(datagram)[0], address))
+            received.append((split_packets(datagram)[0], address))
 
     def forget_backlog(self) -> None:
         """Keep all: the receive buffer holds what a vehicle says in half a minute."""
 
-    def send(self, frames: bytes, address: Address | None) -> bool:
+    def send(self, packets: bytes, address: Address | None) -> bool:
         """Send one datagram to the vehicle that has been heard, or to the one that was named."""
         target = address or self._peer
         if target is None:
             return False
         with contextlib.suppress(OSError):  # lost, as datagrams are
-            self._socket.sendto(frames, target)
+            self._socket.sendto(packets, target)
         return True
 
     def close(self) -> None:
@@ -130,7 +130,7 @@ class StreamTransport:
     def __init__(self, owner: Opened) -> None:
         self.closed = False
         self._owner = owner
-        self._splitter = FrameSplitter()
+        self._splitter = PacketSplitter()
         self._unsent = b""
         os.set_blocking(owner.fileno(), False)
 
@@ -139,9 +139,9 @@ class StreamTransport:
         return self._owner.fileno()
 
     def receive(self) -> list[Received]:
-        """Return the frames that have arrived whole; all of them, as far as can be told."""
-        frames: list[bytes] = []
-        for _ in range(MOST_READS):
+        """Return the packets that have arrived whole; all of them, as far as can be told."""
+        packets: list[bytes] = []
+        for _ in range(MAX_READS):
             # A serial line without data reads as empty, like one that is gone: ask first.
             if self.closed or not select.select([self], [], [], 0)[0]:
                 break
@@ -152,21 +152,21 @@ class StreamTransport:
             except OSError:
                 data = b""
             self.closed = not data
-            frames += self._splitter.split(data)
-        return [(frames, None)] if frames else []
+            packets += self._splitter.split(data)
+        return [(packets, None)] if packets else []
 
     def forget_backlog(self) -> None:
         """Drop all that waits: a serial line keeps the first of it, and then has lost the rest."""
         while self.receive():
             continue
-        self._splitter = FrameSplitter()
+        self._splitter = PacketSplitter()
 
-    def send(self, frames: bytes, address: Address | None) -> bool:  # noqa: ARG002  (protocol)
-        """Send whole frames; False where the other end has gone, or is too far behind."""
+    def send(self, packets: bytes, address: Address | None) -> bool:  # noqa: ARG002  (protocol)
+        """Send whole packets; False where the other end has gone, or is too far behind."""
         self._flush()
-        if self.closed or len(self._unsent) + len(frames) > UNSENT_BYTES:
+        if self.closed or len(self._unsent) + len(packets) > UNSENT_BYTES:
             return False
-        self._unsent += frames
+        self._unsent += packets
         self._flush()
         return not self.closed
 

@@ -20,13 +20,13 @@ from flightstack.records import ALL_MEMBERS, VELOCITIES, Decision
 DECISION_NAME, DECISION_ID = b"decision", 0
 MEMBERS_NAME, MEMBERS_ID = b"members", 1
 ARRAY_FLOATS = 58
-MOST_MEMBERS = ARRAY_FLOATS // len(VELOCITIES)  # more are left out
+MAX_MEMBERS = ARRAY_FLOATS // len(VELOCITIES)  # more are left out
 NAMED_PERIOD_US = 200_000  # 5 Hz
 LINEAR = slice(0, 3)  # vx, vy, vz: one unit, so that a length means something
 
 
 class UncertaintyPublisher:
-    """Publish decisions through a link's `send`, with each member's prediction where asked to."""
+    """Publish decisions through a link's `send`, with each member's prediction on request."""
 
     def __init__(self, send: Callable[[Message], None], *, with_members: bool = False) -> None:
         self._send = send
@@ -76,7 +76,7 @@ def _decision_array(decision: Decision, stamp_us: int) -> Message:
 
 
 def _members_array(decision: Decision, stamp_us: int) -> Message:
-    values = decision.member_mean[:MOST_MEMBERS].ravel()
+    values = decision.member_mean[:MAX_MEMBERS].ravel()
     return _array(values, stamp_us, MEMBERS_NAME, MEMBERS_ID)
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from pymavlink.dialects.v20 import common
 
-from flightstack.mavlink.framing import FrameSplitter, message_id, source_of, split_frames
+from flightstack.mavlink.packets import PacketSplitter, message_id, source_of, split_packets
 from scripts.fly_course import CAMERA_PORT, free_instance
 from tests.flight.processes import process
 from tests.wire.companion.companion_trial import free_port
@@ -34,8 +34,8 @@ class BareVehicle:
 
 def autopilot_only(datagram: bytes) -> list[bytes]:
     """Let through what a PX4 itself says."""
-    frames = split_frames(datagram)[0]
-    kept = b"".join(frame for frame in frames if source_of(frame)[1] == AUTOPILOT)
+    packets = split_packets(datagram)[0]
+    kept = b"".join(packet for packet in packets if source_of(packet)[1] == AUTOPILOT)
     return [kept] if kept else []
 
 
@@ -43,14 +43,14 @@ def indoors(datagram: bytes) -> list[bytes]:
     """Let through what a PX4 says that has no position: it is not ready to be armed."""
     codec = common.MAVLink(None)
     kept = b""
-    for frame in split_frames(b"".join(autopilot_only(datagram)))[0]:
-        if message_id(frame) == common.MAVLINK_MSG_ID_HEARTBEAT:
-            beat = codec.decode(bytearray(frame))
+    for packet in split_packets(b"".join(autopilot_only(datagram)))[0]:
+        if message_id(packet) == common.MAVLINK_MSG_ID_HEARTBEAT:
+            beat = codec.decode(bytearray(packet))
             beat.system_status = common.MAV_STATE_UNINIT
-            codec.srcSystem, codec.srcComponent, codec.seq = *source_of(frame), frame[4]
+            codec.srcSystem, codec.srcComponent, codec.seq = *source_of(packet), packet[4]
             kept += beat.pack(codec)
         else:
-            kept += frame
+            kept += packet
     return [kept] if kept else []
 
 
@@ -93,7 +93,7 @@ class SerialLine:
         os.close(self._slave)
 
     def _run(self) -> None:
-        splitter, vehicle = FrameSplitter(), None
+        splitter, vehicle = PacketSplitter(), None
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
             udp.bind(("127.0.0.1", self._port))
             while not self._stop.is_set():
@@ -103,6 +103,6 @@ class SerialLine:
                     with contextlib.suppress(BlockingIOError):  # nobody reads: lost, as on a cable
                         os.write(self._master, datagram)
                 if self._master in ready:
-                    for frame in splitter.split(os.read(self._master, READ_BYTES)):
+                    for packet in splitter.split(os.read(self._master, READ_BYTES)):
                         if vehicle is not None:
-                            udp.sendto(frame, vehicle)
+                            udp.sendto(packet, vehicle)

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from pymavlink.dialects.v20 import common
 
-from flightstack.mavlink.px4 import Px4Mode
+from flightstack.px4_modes import Px4Mode
 
 FRAME_US = 50_000
 HOME_AMSL_M = 489.4

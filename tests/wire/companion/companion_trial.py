@@ -56,9 +56,9 @@ class Trial:
         self.pilot = ForwardPilot()
         self.output = StringIO()
         self.vehicle = FakeVehicle(port, script)
+        defaults: dict[str, Any] = {"timeout_s": 10.0, "log": tmp_path / "flight.tlog"}
         self.plan = FlightPlan(
-            endpoint=parse_endpoint(f"udpin:127.0.0.1:{port}"),
-            **({"timeout_s": 10.0, "log": tmp_path / "flight.tlog"} | plan),
+            endpoint=parse_endpoint(f"udpin:127.0.0.1:{port}"), **(defaults | plan)
         )
 
     def fly(self) -> Summary:

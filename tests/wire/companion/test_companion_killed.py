@@ -27,7 +27,7 @@ WRITER_KILLS, FLIGHT_KILLS = 25, 10
 LATEST_S = 0.05  # of a writer at full speed: some ten thousand records
 LATEST_IN_FLIGHT_S = 1.0
 WAIT_S = 20.0
-RECORD_BYTES = 8 + 12 + 12  # time, frame without payload, SYSTEM_TIME whose last byte is not 0
+RECORD_BYTES = 8 + 12 + 12  # time, packet without payload, SYSTEM_TIME whose last byte is not 0
 
 
 def write_until_killed(path: Path, flushed: Any) -> None:

@@ -5,19 +5,19 @@ from typing import Any
 
 from flightstack.companion.mission import advance
 from flightstack.companion.mission_state import MissionState, Phase, Request, Situation
-from flightstack.mavlink.px4 import Px4Mode
-from flightstack.mavlink.telemetry import Course, Landed, Telemetry
+from flightstack.mavlink.telemetry import Course, LandedState, Telemetry
+from flightstack.px4_modes import Px4Mode
 
 S = 1_000_000
 NOW = 100 * S
 READY = Telemetry(
     custom_mode=Px4Mode.LOITER,
     armable=True,
-    landed=Landed.ON_GROUND,
+    landed=LandedState.ON_GROUND,
     home_altitude_amsl_m=489.4,
     velocity_ned=(0.0, 0.0, 0.0),
 )
-AIRBORNE = replace(READY, armed=True, armable=False, landed=Landed.IN_AIR)
+AIRBORNE = replace(READY, armed=True, armable=False, landed=LandedState.IN_AIR)
 OFFBOARD = replace(AIRBORNE, custom_mode=Px4Mode.OFFBOARD)
 COURSE = Course(gates_passed=2, gates_total=8)
 

@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 from flightstack.companion.mission_state import Outcome, Phase, Request
-from flightstack.mavlink.px4 import Px4Mode
 from flightstack.mavlink.telemetry import Course, CourseFailure, Telemetry
+from flightstack.px4_modes import Px4Mode
 from tests.unit.flightstack.companion.made_mission import (
     AIRBORNE,
     COURSE,

@@ -6,8 +6,8 @@ from typing import Any
 from pymavlink.dialects.v20 import common
 
 from flightstack.clock import VehicleClock
-from flightstack.mavlink.framing import split_frames
 from flightstack.mavlink.link import Link
+from flightstack.mavlink.packets import split_packets
 from flightstack.mavlink.signing import Signing
 from flightstack.mavlink.tlog import TlogWriter
 from flightstack.mavlink.transport import Address, Received
@@ -28,8 +28,8 @@ class MemoryTransport:
         waiting, self.waiting = self.waiting, []
         return waiting
 
-    def send(self, frame: bytes, address: Address | None) -> bool:
-        self.sent.append((frame, address))
+    def send(self, packet: bytes, address: Address | None) -> bool:
+        self.sent.append((packet, address))
         return True
 
     def close(self) -> None:
@@ -58,13 +58,13 @@ class MadeLink:
     ) -> bytes:
         return self.hear(bytes(message.pack(common.MAVLink(None, system, component))), address)
 
-    def hear(self, frame: bytes, address: Address = VEHICLE) -> bytes:
-        self.transport.waiting.append((split_frames(frame)[0], address))
-        return frame
+    def hear(self, packet: bytes, address: Address = VEHICLE) -> bytes:
+        self.transport.waiting.append((split_packets(packet)[0], address))
+        return packet
 
     def sent(self) -> list[Any]:
         parser = common.MAVLink(None)
-        return [parser.decode(bytearray(frame)) for frame, _ in self.transport.sent]
+        return [parser.decode(bytearray(packet)) for packet, _ in self.transport.sent]
 
 
 def heartbeat(

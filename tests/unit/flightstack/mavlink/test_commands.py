@@ -7,8 +7,8 @@ import pytest
 from pymavlink.dialects.v20 import common
 
 from flightstack.mavlink import commands
-from flightstack.mavlink.commands import CommandSender, Refusal, command_name
-from flightstack.mavlink.px4 import Px4Mode
+from flightstack.mavlink.commands import CommandRefusal, CommandSender, command_name
+from flightstack.px4_modes import Px4Mode
 from tests.unit.flightstack.mavlink.made_link import MadeLink, heartbeat
 
 RETRY_US = 500_000
@@ -21,7 +21,7 @@ class Sender:
         self.made.link.drain()
         self.commands = CommandSender(self.made.link)
 
-    def answer(self, number: int, result: int, *, target: int = 191) -> Refusal | None:
+    def answer(self, number: int, result: int, *, target: int = 191) -> CommandRefusal | None:
         self.made.say(common.MAVLink_command_ack_message(number, result, 0, 0, 3, target))
         (ack,) = self.made.link.drain()
         return self.commands.acknowledge(ack)
@@ -45,7 +45,7 @@ def test_a_lost_command_is_sent_three_times_more_then_given_up(sender: Sender) -
     sender.commands.request(commands.land(), 0)
     assert sender.commands.poll(RETRY_US - 1) == []
     given_up = [sender.commands.poll(k * RETRY_US) for k in (1, 2, 3, 4, 5)]
-    assert given_up == [[], [], [], [Refusal(commands.land(), "not acknowledged")], []]
+    assert given_up == [[], [], [], [CommandRefusal(commands.land(), "not acknowledged")], []]
     assert [message.confirmation for message in sender.made.sent()] == [0, 1, 2, 3]
 
 
@@ -59,7 +59,7 @@ def test_an_answer_to_somebody_else_is_not_ours(sender: Sender) -> None:
 def test_a_denial_says_why(sender: Sender) -> None:
     sender.commands.request(commands.arm(), 0)
     refusal = sender.answer(400, common.MAV_RESULT_TEMPORARILY_REJECTED)
-    assert refusal == Refusal(commands.arm(), "temporarily_rejected")
+    assert refusal == CommandRefusal(commands.arm(), "temporarily_rejected")
 
 
 def test_a_mode_may_be_refused_in_the_second_answer(sender: Sender) -> None:
@@ -67,10 +67,10 @@ def test_a_mode_may_be_refused_in_the_second_answer(sender: Sender) -> None:
     sender.commands.request(offboard, 0)
     assert sender.answer(176, common.MAV_RESULT_ACCEPTED) is None
     refusal = sender.answer(176, common.MAV_RESULT_TEMPORARILY_REJECTED)
-    assert refusal == Refusal(offboard, "temporarily_rejected")
+    assert refusal == CommandRefusal(offboard, "temporarily_rejected")
 
 
-def test_an_answer_that_was_not_asked_for_is_passed_over(sender: Sender) -> None:
+def test_an_answer_that_was_not_requested_is_passed_over(sender: Sender) -> None:
     assert sender.answer(400, common.MAV_RESULT_DENIED) is None
 
 

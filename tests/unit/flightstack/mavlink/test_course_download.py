@@ -1,4 +1,4 @@
-"""The referee's gates are asked for one by one, at the caller's pace, and nobody waits for them."""
+"""The referee's gates are requested one by one, at the caller's pace, and nobody waits for them."""
 
 from pathlib import Path
 from typing import Any
@@ -6,10 +6,10 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import common
 
-from flightstack.mavlink.course_download import MOST_GATES, CourseDownload, Stage
+from flightstack.mavlink.course_download import MAX_GATES, CourseDownload, DownloadStage
 from tests.unit.flightstack.mavlink.made_link import MadeLink, heartbeat
 
-FRAME_US = 50_000
+IMAGE_US = 50_000
 RETRY_US = 500_000
 
 
@@ -51,14 +51,14 @@ def download(tmp_path: Path) -> Download:
     return Download(tmp_path)
 
 
-def test_asks_for_one_item_a_frame_and_closes(download: Download) -> None:
-    said = [download.poll(0)]
+def test_requests_one_item_per_image_and_closes(download: Download) -> None:
+    sent = [download.poll(0)]
     download.hear(count(2))
     for seq in range(2):
-        said.append(download.poll((1 + seq) * FRAME_US))
+        sent.append(download.poll((1 + seq) * IMAGE_US))
         download.hear(item(seq))
-    said += [download.poll(3 * FRAME_US), download.poll(4 * FRAME_US)]
-    assert said == [
+    sent += [download.poll(3 * IMAGE_US), download.poll(4 * IMAGE_US)]
+    assert sent == [
         [("MISSION_REQUEST_LIST",)],
         [("MISSION_REQUEST_INT", 0)],
         [("MISSION_REQUEST_INT", 1)],
@@ -68,25 +68,25 @@ def test_asks_for_one_item_a_frame_and_closes(download: Download) -> None:
     assert download.download.items == 2
 
 
-def test_a_lost_answer_is_asked_for_again(download: Download) -> None:
+def test_a_lost_answer_is_requested_again(download: Download) -> None:
     download.poll(0)
     download.hear(count(1))
-    assert download.poll(FRAME_US) == [("MISSION_REQUEST_INT", 0)]
-    assert download.poll(FRAME_US + RETRY_US - 1) == []
-    assert download.poll(FRAME_US + RETRY_US) == [("MISSION_REQUEST_INT", 0)]
+    assert download.poll(IMAGE_US) == [("MISSION_REQUEST_INT", 0)]
+    assert download.poll(IMAGE_US + RETRY_US - 1) == []
+    assert download.poll(IMAGE_US + RETRY_US) == [("MISSION_REQUEST_INT", 0)]
     download.hear(item(0))
     assert download.poll(2 * RETRY_US) == [("MISSION_ACK",)]
 
 
 def test_gives_up_in_silence_where_nobody_answers(download: Download) -> None:
-    said = [download.poll(k * RETRY_US) for k in range(6)]
-    assert said == [[("MISSION_REQUEST_LIST",)]] * 4 + [[], []]
-    assert download.download.stage is Stage.DONE
+    sent = [download.poll(k * RETRY_US) for k in range(6)]
+    assert sent == [[("MISSION_REQUEST_LIST",)]] * 4 + [[], []]
+    assert download.download.stage is DownloadStage.DONE
     download.hear(count(1))
     assert download.poll(10 * RETRY_US) == []
 
 
-@pytest.mark.parametrize("gates", [0, MOST_GATES + 1, 65535])
+@pytest.mark.parametrize("gates", [0, MAX_GATES + 1, 65535])
 def test_downloads_neither_nothing_nor_the_absurd(download: Download, gates: int) -> None:
     download.poll(0)
     download.hear(count(gates))
@@ -98,9 +98,9 @@ def test_only_what_is_awaited_counts(download: Download) -> None:
     download.hear(item(0))  # before its count
     download.hear(count(2, target=190))  # to somebody else
     download.hear(count(2), component=1)  # the autopilot's own mission
-    assert download.download.stage is Stage.LISTING
+    assert download.download.stage is DownloadStage.LISTING
     download.hear(count(2))
-    download.poll(FRAME_US)
+    download.poll(IMAGE_US)
     download.hear(item(1))
     assert download.download.items == 0
     download.hear(item(0))

@@ -100,19 +100,19 @@ def test_silence_is_counted_from_the_vehicles_last_word(made: MadeLink) -> None:
 
 
 def test_logs_both_directions_in_vehicle_time(made: MadeLink) -> None:
-    frames = [made.say(heartbeat()), made.say(attitude(5000)), made.say(attitude(6000))]
+    packets = [made.say(heartbeat()), made.say(attitude(5000)), made.say(attitude(6000))]
     foreign = made.say(heartbeat(autopilot=8), system=255)
     made.link.drain()
     made.link.send(heartbeat())
     made.link.close()
     content = made.tlog.path.read_bytes()
-    records = [*frames, foreign, made.transport.sent[0][0]]
-    assert len(content) == sum(8 + len(frame) for frame in records)
+    records = [*packets, foreign, made.transport.sent[0][0]]
+    assert len(content) == sum(8 + len(packet) for packet in records)
     times_us = []
-    for frame in records:
+    for packet in records:
         times_us.append(int.from_bytes(content[:8], "big"))
-        assert content[8 : 8 + len(frame)] == frame
-        content = content[8 + len(frame) :]
+        assert content[8 : 8 + len(packet)] == packet
+        content = content[8 + len(packet) :]
     assert [time_us - times_us[0] for time_us in times_us] == [
         0,
         0,

@@ -7,7 +7,7 @@ import pytest
 from flightstack.mavlink.offboard import velocity_setpoint
 
 
-def test_a_setpoint_is_a_body_velocity_with_the_stamp_of_its_frame() -> None:
+def test_a_setpoint_is_a_body_velocity_with_the_stamp_of_its_image() -> None:
     setpoint = velocity_setpoint(3, 1_234_999, (1.0, -2.0, 0.5, 0.25))
     assert (setpoint.target_system, setpoint.target_component) == (3, 1)
     assert (setpoint.coordinate_frame, setpoint.type_mask) == (8, 0x5C7)

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import common
 
-from flightstack.mavlink.framing import split_frames
+from flightstack.mavlink.packets import split_packets
 from flightstack.mavlink.signing import LATEST_TICKS, MINUTE_TICKS, Signing, Verdict
 from tests.unit.flightstack.mavlink.made_link import VEHICLE, MadeLink, heartbeat
 from tests.unit.flightstack.mavlink.test_signing import (
@@ -46,8 +46,8 @@ def test_signs_all_that_it_sends(made: MadeLink) -> None:
     made.link.drain()
     for _ in range(3):
         made.link.send(heartbeat(autopilot=8))
-    for frame, _ in made.transport.sent:
-        assert vehicle.decode(bytearray(frame)).get_srcComponent() == 191
+    for packet, _ in made.transport.sent:
+        assert vehicle.decode(bytearray(packet)).get_srcComponent() == 191
     assert vehicle.signing.goodsig_count == 3
 
 
@@ -64,8 +64,8 @@ def test_what_is_forged_replayed_or_unsigned_changes_nothing(made: MadeLink) -> 
         bytes(LANDED.pack(common.MAVLink(None, 1, 1))),
         bytes(heartbeat(mode=0x00030000).pack(common.MAVLink(None, 1, 1))),
     ]
-    for frame in hostile:
-        made.hear(frame)
+    for packet in hostile:
+        made.hear(packet)
         assert made.link.drain() == []
         made.hear(bytes(LANDED.pack(vehicle)))
         assert kinds(made.link.drain()) == ["EXTENDED_SYS_STATE"]
@@ -81,9 +81,9 @@ def test_logs_what_is_genuine_or_open_but_nothing_that_is_refused(made: MadeLink
     content = made.tlog.path.read_bytes()
     logged = []
     while content:
-        frame = split_frames(content[8:])[0][0]
-        logged.append(frame)
-        content = content[8 + len(frame) :]
+        packet = split_packets(content[8:])[0][0]
+        logged.append(packet)
+        content = content[8 + len(packet) :]
     assert logged == [beat, open_beat]
 
 

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from pymavlink.dialects.v20 import common
 
 from flightstack.errors import UsageError
-from flightstack.mavlink.framing import split_frames
+from flightstack.mavlink.packets import split_packets
 from flightstack.mavlink.signing import (
     EPOCH_S,
     LATEST_TICKS,
+    MAX_STREAMS,
     MINUTE_TICKS,
-    MOST_STREAMS,
     TICKS_PER_S,
     Signing,
     Verdict,
@@ -60,8 +60,8 @@ def unsigned(message: Any, *, component: int = 191, **options: Any) -> bytes:
     return bytes(message.pack(common.MAVLink(None, 1, component), **options))
 
 
-def stamp_of(frame: bytes) -> int:
-    return int.from_bytes(frame[-12:-6], "little")
+def stamp_of(packet: bytes) -> int:
+    return int.from_bytes(packet[-12:-6], "little")
 
 
 any_message = st.one_of(
@@ -84,19 +84,19 @@ any_message = st.one_of(
 def test_pymavlink_believes_what_we_sign(messages: list[Any], link_id: int) -> None:
     ours, theirs = signing(link_id=link_id), pymavlink_end()
     for message in messages:
-        frame = ours.sign(unsigned(message))
-        assert split_frames(frame) == ([frame], len(frame))
-        heard = theirs.decode(bytearray(frame)).to_dict()
+        packet = ours.sign(unsigned(message))
+        assert split_packets(packet) == ([packet], len(packet))
+        heard = theirs.decode(bytearray(packet)).to_dict()
         assert heard == pymavlink_end(None).decode(bytearray(unsigned(message))).to_dict()
     assert theirs.signing.goodsig_count == len(messages)
 
 
 @given(message=any_message, flipped=st.integers(0, 10_000))
 def test_no_bit_can_be_changed(message: Any, flipped: int) -> None:
-    frame = bytearray(signing().sign(unsigned(message)))
-    bit = flipped % (8 * (len(frame) - 1)) + 8  # all but the frame's first byte
-    frame[bit // 8] ^= 1 << bit % 8
-    assert signing().verify(bytes(frame)) in (Verdict.FORGED, Verdict.UNSIGNED, Verdict.OPEN)
+    packet = bytearray(signing().sign(unsigned(message)))
+    bit = flipped % (8 * (len(packet) - 1)) + 8  # all but the packet's first byte
+    packet[bit // 8] ^= 1 << bit % 8
+    assert signing().verify(bytes(packet)) in (Verdict.FORGED, Verdict.UNSIGNED, Verdict.OPEN)
 
 
 @given(messages=st.lists(any_message, min_size=1, max_size=5), link_id=st.integers(0, 255))
@@ -104,9 +104,9 @@ def test_we_believe_what_pymavlink_signs_and_nothing_twice(
     messages: list[Any], link_id: int
 ) -> None:
     ours, theirs = signing(), pymavlink_end(link_id=link_id)
-    frames = [bytes(message.pack(theirs)) for message in messages]
-    assert [ours.verify(frame) for frame in frames] == [Verdict.GENUINE] * len(frames)
-    assert {ours.verify(frame) for frame in frames} == {Verdict.REPLAYED}
+    packets = [bytes(message.pack(theirs)) for message in messages]
+    assert [ours.verify(packet) for packet in packets] == [Verdict.GENUINE] * len(packets)
+    assert {ours.verify(packet) for packet in packets} == {Verdict.REPLAYED}
 
 
 def test_another_key_is_a_forgery() -> None:
@@ -126,12 +126,12 @@ def test_a_forged_far_future_changes_nothing_while_it_silences_pymavlink() -> No
     sender = pymavlink_end(component=25)
     forger = pymavlink_end(OTHER_KEY, ticks=LATEST_TICKS, component=25)
     first, forged, later = (bytes(ARM.pack(end)) for end in (sender, forger, sender))
-    assert [ours.verify(frame) for frame in (first, forged, later)] == [
+    assert [ours.verify(packet) for packet in (first, forged, later)] == [
         Verdict.GENUINE,
         Verdict.FORGED,
         Verdict.GENUINE,
     ]
-    heard = [theirs.parse_buffer(frame)[0].get_type() for frame in (first, forged, later)]
+    heard = [theirs.parse_buffer(packet)[0].get_type() for packet in (first, forged, later)]
     assert heard == ["COMMAND_LONG", "BAD_DATA", "BAD_DATA"]  # the flaw: the last one is genuine
 
 
@@ -154,9 +154,9 @@ def test_streams_have_times_of_their_own() -> None:
 
 def test_the_table_of_streams_is_bounded() -> None:
     ours = signing()
-    ends = [pymavlink_end(component=component) for component in range(1, MOST_STREAMS + 6)]
+    ends = [pymavlink_end(component=component) for component in range(1, MAX_STREAMS + 6)]
     verdicts = [ours.verify(bytes(ARM.pack(end))) for end in ends]
-    assert verdicts == [Verdict.GENUINE] * MOST_STREAMS + [Verdict.CROWDED] * 5
+    assert verdicts == [Verdict.GENUINE] * MAX_STREAMS + [Verdict.CROWDED] * 5
     assert ours.verify(bytes(ARM.pack(ends[0]))) is Verdict.GENUINE
 
 
@@ -184,10 +184,10 @@ def test_our_timestamps_count_10_us_since_2015_and_grow_across_restarts() -> Non
     stamps = []
     for _ in range(3):  # runs of the program, each 0.1 s after the one before
         ours = signing(wall_s=wall)
-        frames = [ours.sign(unsigned(ARM)) for _ in range(1000)]
-        stamps += [stamp_of(frame) for frame in frames]
-        for frame in frames:
-            peer.decode(bytearray(frame))
+        packets = [ours.sign(unsigned(ARM)) for _ in range(1000)]
+        stamps += [stamp_of(packet) for packet in packets]
+        for packet in packets:
+            peer.decode(bytearray(packet))
         wall.now_s += 0.1
     assert stamps[0] == NOW_TICKS
     assert stamps[1000] == pytest.approx(NOW_TICKS + TICKS_PER_S // 10, abs=1)
@@ -204,9 +204,9 @@ def test_signs_with_the_time_of_day_by_default() -> None:
 def test_without_a_clock_of_our_own_the_vehicles_counts() -> None:
     ours, vehicle = signing(wall_s=Wall(0.0)), pymavlink_end()
     assert ours.verify(bytes(BEAT.pack(vehicle))) is Verdict.GENUINE
-    frame = ours.sign(unsigned(ARM))
-    assert stamp_of(frame) > NOW_TICKS
-    assert vehicle.decode(bytearray(frame)).command == 400
+    packet = ours.sign(unsigned(ARM))
+    assert stamp_of(packet) > NOW_TICKS
+    assert vehicle.decode(bytearray(packet)).command == 400
 
 
 def test_the_end_of_time_is_no_error() -> None:

@@ -6,7 +6,13 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import common
 
-from flightstack.mavlink.telemetry import CourseFailure, Landed, Telemetry, TelemetryReceiver, Text
+from flightstack.mavlink.telemetry import (
+    CourseFailure,
+    LandedState,
+    StatusText,
+    Telemetry,
+    TelemetryReceiver,
+)
 from tests.unit.flightstack.mavlink.made_link import MadeLink, heartbeat
 
 REFEREE, CAMERA = 25, 100
@@ -54,7 +60,7 @@ def test_landed_state_keeps_its_beginning(ear: Ear) -> None:
     for stamp_us in (1_000_000, 2_000_000):
         ear.made.clock.observe(stamp_us)
         view = ear.hear(common.MAVLink_extended_sys_state_message(0, 2))
-    assert (view.landed, view.landed_us) == (Landed.IN_AIR, 1_000_000)
+    assert (view.landed, view.landed_us) == (LandedState.IN_AIR, 1_000_000)
 
 
 def test_home_and_motion_are_in_metres(ear: Ear) -> None:
@@ -64,7 +70,7 @@ def test_home_and_motion_are_in_metres(ear: Ear) -> None:
     assert (view.position_ned, view.velocity_ned) == ((1, 2, -3), (4, 5, 6))
 
 
-def test_the_camera_names_its_stream_and_announces_frames(ear: Ear) -> None:
+def test_the_camera_names_its_stream_and_announces_images(ear: Ear) -> None:
     uri = b"http://127.0.0.1:8090/stream"
     fields = (1, 1, 0, 1, 20.0, 64, 64, 0, 0, 90, b"camera", uri)
     ear.hear(common.MAVLink_video_stream_information_message(*fields), CAMERA)
@@ -94,7 +100,7 @@ def test_the_referee_says_how_a_course_failed(ear: Ear, text: str, failure: Cour
     course = ear.hear(statustext(text), REFEREE).course
     assert (course.failed, course.failure) == (True, failure)
     assert ear.hear(current(3, 8, 4), REFEREE).course.failure is failure
-    assert ear.receiver.drain_texts() == [Text(severity=4, text=text)]
+    assert ear.receiver.drain_texts() == [StatusText(severity=4, text=text)]
 
 
 def test_only_the_referee_judges(ear: Ear) -> None:
@@ -106,4 +112,4 @@ def test_long_texts_are_joined(ear: Ear) -> None:
     ear.hear(statustext("a" * 50, number=7))
     assert ear.receiver.drain_texts() == []
     ear.hear(statustext("end\t", number=7, chunk=1))
-    assert ear.receiver.drain_texts() == [Text(severity=4, text="a" * 50 + "end")]
+    assert ear.receiver.drain_texts() == [StatusText(severity=4, text="a" * 50 + "end")]

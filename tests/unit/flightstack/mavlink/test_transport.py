@@ -10,9 +10,9 @@ import pytest
 
 from flightstack.errors import LinkError
 from flightstack.mavlink.endpoint import parse_endpoint
-from flightstack.mavlink.framing import FrameSplitter
+from flightstack.mavlink.packets import PacketSplitter
 from flightstack.mavlink.transport import UNSENT_BYTES, Transport, UdpTransport, open_transport
-from tests.unit.flightstack.mavlink.test_framing import heartbeat
+from tests.unit.flightstack.mavlink.test_packets import heartbeat
 
 WAIT_S = 5.0
 READ_BYTES = 4096  # that a terminal gives at once
@@ -21,7 +21,7 @@ TERMINAL_BYTES = 65536  # that the kernel keeps for a pseudo-terminal, at most
 
 def received(transport: Transport) -> list[bytes]:
     assert select.select([transport], [], [], WAIT_S)[0]
-    return [frame for frames, _ in transport.receive() for frame in frames]
+    return [packet for packets, _ in transport.receive() for packet in packets]
 
 
 def free_udp_port() -> int:
@@ -36,8 +36,8 @@ def test_udp_listens_and_answers() -> None:
     sending = UdpTransport(parse_endpoint(f"udpout:127.0.0.1:{listening.address[1]}"))
     sending.send(heartbeat(1), None)
     assert select.select([listening], [], [], WAIT_S)[0]
-    ((frames, address),) = listening.receive()
-    assert frames == [heartbeat(1)]
+    ((packets, address),) = listening.receive()
+    assert packets == [heartbeat(1)]
     listening.send(heartbeat(2), address)
     assert received(sending) == [heartbeat(2)]
     listening.send(heartbeat(3), None)  # nobody has been heard: nowhere to send
@@ -61,7 +61,7 @@ def test_a_busy_port_is_named() -> None:
             open_transport(parse_endpoint(str(port)))
 
 
-def test_tcp_carries_frames_cut_anywhere() -> None:
+def test_tcp_carries_packets_cut_anywhere() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         transport = open_transport(parse_endpoint(f"tcp:127.0.0.1:{server.getsockname()[1]}"))
         peer, _ = server.accept()
@@ -84,7 +84,7 @@ def test_tcp_to_nobody_is_an_error() -> None:
         open_transport(parse_endpoint(f"tcp:127.0.0.1:{port}"))
 
 
-def test_a_serial_line_carries_frames() -> None:
+def test_a_serial_line_carries_packets() -> None:
     ours, theirs = os.openpty()
     tty.setraw(ours)
     transport = open_transport(parse_endpoint(f"{os.ttyname(theirs)},921600"))
@@ -146,18 +146,18 @@ def test_a_serial_line_is_read_to_its_end() -> None:
     os.close(theirs)
 
 
-def test_a_slow_peer_misses_whole_frames_and_is_never_far_behind() -> None:
+def test_a_slow_peer_misses_whole_packets_and_is_never_far_behind() -> None:
     ours, theirs = os.openpty()
     tty.setraw(ours)
     os.set_blocking(ours, False)
     transport = open_transport(parse_endpoint(os.ttyname(theirs)))
-    heard, taken, arrived = FrameSplitter(), [], []
+    heard, taken, arrived = PacketSplitter(), [], []
     for number in range(5000):
-        frame = heartbeat(number % 256, component=number // 256)
-        if transport.send(frame, None):
-            taken.append(frame)
+        packet = heartbeat(number % 256, component=number // 256)
+        if transport.send(packet, None):
+            taken.append(packet)
         if number % 50 == 49:  # it reads a tenth of what it is sent
-            arrived += heard.split(os.read(ours, 5 * len(frame)))
+            arrived += heard.split(os.read(ours, 5 * len(packet)))
     assert len(arrived) < len(taken) < 4000
     assert arrived == taken[: len(arrived)]
     assert sum(map(len, taken[len(arrived) :])) < TERMINAL_BYTES + UNSENT_BYTES

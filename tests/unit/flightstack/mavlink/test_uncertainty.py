@@ -47,7 +47,7 @@ def test_pooled_members_have_their_mean_score() -> None:
 
 
 @pytest.mark.parametrize(("members", "carried"), [(1, 1), (5, 5), (14, 14), (20, 14)])
-def test_each_members_prediction_goes_out_where_asked_for(members: int, carried: int) -> None:
+def test_each_members_prediction_goes_out_on_request(members: int, carried: int) -> None:
     sent: list[Any] = []
     publisher = UncertaintyPublisher(sent.append, with_members=True)
     publisher.publish(decision([0, 0, 0, 0], members), 52_000)
@@ -58,7 +58,7 @@ def test_each_members_prediction_goes_out_where_asked_for(members: int, carried:
     assert second.data[4 * carried :] == [0.0] * (58 - 4 * carried)
 
 
-def test_members_stay_at_home_unless_asked_for() -> None:
+def test_members_stay_at_home_unless_requested() -> None:
     sent = published(52_000, member=[0, 0, 0, 0])
     assert [m.name for m in sent if m.get_type() == "DEBUG_FLOAT_ARRAY"] == ["decision"]
 
