@@ -1,8 +1,9 @@
-"""Tell the vehicle's time, from the stamps that its own messages and frames carry.
+"""Tell the vehicle's time, from the stamps that its own messages and images carry.
 
 Vehicle time is integer microseconds since the vehicle's boot. It may run at any speed, and it may
 stand still: only stamps move it. Between two stamps `now_us` bridges the gap by the wall clock,
 for the one purpose that needs it: stamping the images of a camera that carries no stamps.
+The wall clock itself is handed on as `wall_s`: whoever has this clock needs no other.
 """
 
 import time
@@ -12,10 +13,10 @@ REBOOT_US = 5_000_000  # a stamp further back than this is a new boot, not one t
 
 
 class VehicleClock:
-    """The newest stamp seen; one thread observes, any thread may read."""
+    """The newest stamp seen, and the wall; one thread observes, any thread may read."""
 
     def __init__(self, wall_s: Callable[[], float] = time.monotonic) -> None:
-        self._wall_s = wall_s
+        self.wall_s = wall_s  # monotonic seconds
         self._first_us: int | None = None
         self._anchor: tuple[int, float] | None = None  # the newest stamp, and when it was seen
         self.stamp_us = 0  # the newest stamp
@@ -27,7 +28,7 @@ class VehicleClock:
             return
         if self._first_us is None:
             self._first_us = stamp_us
-        self._anchor = (stamp_us, self._wall_s())
+        self._anchor = (stamp_us, self.wall_s())
         self.stamp_us = stamp_us
         self.elapsed_us = max(0, stamp_us - self._first_us)
 
@@ -41,4 +42,4 @@ class VehicleClock:
         anchor = self._anchor
         if anchor is None:
             return 0
-        return anchor[0] + round((self._wall_s() - anchor[1]) * 1e6)
+        return anchor[0] + round((self.wall_s() - anchor[1]) * 1e6)

@@ -2,7 +2,6 @@
 
 import os
 import threading
-import time
 from pathlib import Path
 
 import cv2
@@ -33,13 +32,13 @@ class CaptureSource:
         if not self._capture.isOpened():
             raise OSError(0, "OpenCV cannot open it")
         self._period_s = _file_period_s(uri, self._capture)
-        self._next_s = time.monotonic()
+        self._next_s = self._clock.wall_s()
 
     def read(self) -> Arrival:
         """Wait for the next frame; raises OSError when the camera gives no more."""
         self._pace()
         good, bgr = self._capture.read()
-        received_s = time.monotonic()
+        received_s = self._clock.wall_s()
         if not good or self._closed.is_set():
             raise OSError(0, "the camera gives no more frames")
         self._count += 1
@@ -55,8 +54,8 @@ class CaptureSource:
         """Play a file at its own rate; a camera keeps time by itself."""
         if self._period_s is None:
             return
-        self._closed.wait(max(0.0, self._next_s - time.monotonic()))
-        self._next_s = max(self._next_s + self._period_s, time.monotonic())
+        self._closed.wait(max(0.0, self._next_s - self._clock.wall_s()))
+        self._next_s = max(self._next_s + self._period_s, self._clock.wall_s())
 
 
 def _open(uri: str) -> cv2.VideoCapture:

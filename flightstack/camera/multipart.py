@@ -7,7 +7,6 @@ X-Sequence say which frame it is; a stream without them is stamped on arrival.
 import contextlib
 import http.client
 import socket
-import time
 from urllib.parse import urlsplit
 
 import cv2
@@ -56,7 +55,7 @@ class MultipartSource:
         while True:
             headers = self._read_headers()
             content = self._read_exactly(int(headers.get("content-length", "-1")))
-            received_s = time.monotonic()
+            received_s = self._clock.wall_s()
             rgb = decode_rgb(content)
             if rgb is not None:
                 return Arrival(self._frame(headers, rgb), received_s)

@@ -4,7 +4,6 @@ All waiting here is in wall time: a vehicle in lockstep has its clock stand stil
 client is there.
 """
 
-import time
 from collections.abc import Callable
 
 from pymavlink.dialects.v20 import common
@@ -39,8 +38,9 @@ def find_camera(vehicle: Vehicle, timeout_s: float) -> str:
     """Return the URI of the vehicle's video stream; raises LinkError after `timeout_s`."""
     ask = request_message(common.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION, CAMERA_COMPONENT)
     commands = CommandSender(vehicle.link)
-    deadline_s = time.monotonic() + timeout_s
-    while time.monotonic() < deadline_s:
+    wall_s = vehicle.link.clock.wall_s
+    deadline_s = wall_s() + timeout_s
+    while wall_s() < deadline_s:
         commands.request(ask, 0)
         if _receive_until(vehicle, lambda: vehicle.stream_uri is not None, ASK_S):
             return str(vehicle.stream_uri)
@@ -51,12 +51,13 @@ def find_camera(vehicle: Vehicle, timeout_s: float) -> str:
 
 def wait_for_camera(vehicle: Vehicle, uri: str, timeout_s: float) -> Camera:
     """Open a camera, which may start later than we; raises LinkError after `timeout_s`."""
-    deadline_s = time.monotonic() + timeout_s
+    clock = vehicle.link.clock
+    deadline_s = clock.wall_s() + timeout_s
     while True:
         try:
-            return open_camera(uri, vehicle.link.clock)
+            return open_camera(uri, clock)
         except LinkError:
-            if time.monotonic() >= deadline_s:
+            if clock.wall_s() >= deadline_s:
                 raise
         _receive_until(vehicle, lambda: False, ASK_S)
 
@@ -74,13 +75,14 @@ def wait_for_frame(vehicle: Vehicle, camera: FrameQueue, timeout_s: float, *, na
 def _receive_until(
     vehicle: Vehicle, found: Callable[[], bool], timeout_s: float, *also: FrameQueue
 ) -> bool:
-    deadline_s = time.monotonic() + timeout_s
+    clock = vehicle.link.clock
+    deadline_s = clock.wall_s() + timeout_s
     while not found():
-        left_s = deadline_s - time.monotonic()
+        left_s = deadline_s - clock.wall_s()
         if left_s <= 0:
             return False
         wait_for_any(min(left_s, IDLE_S), vehicle.link, *also)
         vehicle.receive()
-        vehicle.keep_up(vehicle.link.clock.stamp_us)
+        vehicle.keep_up(clock.stamp_us)
         vehicle.link.tlog.flush_if_due()
     return True

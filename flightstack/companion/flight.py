@@ -2,7 +2,6 @@
 
 import contextlib
 import gc
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -55,7 +54,7 @@ def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], progress: Progress) -
     with contextlib.ExitStack() as stack:
         stack.callback(progress.close)
         stack.callback(reporter.report_failures)  # of the last writes, too
-        tlog = TlogWriter(plan.log)
+        tlog = TlogWriter(plan.log, clock.wall_s)
         stack.callback(tlog.close)
         reporter.watch(tlog)
         recorder = _open_recorder(plan, reporter, stack)
@@ -116,14 +115,14 @@ def _find(vehicle: Vehicle, plan: FlightPlan, progress: Progress) -> str:
 
 def _run(loop: FlightLoop, vehicle: Vehicle, plan: FlightPlan) -> Summary:
     clock = vehicle.link.clock
-    began_s, began_us = time.monotonic(), clock.stamp_us
+    began_s, began_us = clock.wall_s(), clock.stamp_us
     interrupted = False
     try:
         with landing_first(loop.stop):
             loop.run()
     except KeyboardInterrupt:
         interrupted = True
-    wall_s = time.monotonic() - began_s
+    wall_s = clock.wall_s() - began_s
     state, course = loop.state, vehicle.telemetry.course
     ended_us = clock.stamp_us if state.ended_us is None else state.ended_us
     outcome = Outcome.INTERRUPTED if interrupted else state.outcome or Outcome.INTERRUPTED

@@ -8,7 +8,6 @@ which a vehicle in lockstep runs on. So a flight in lockstep does not depend on 
 either process ran.
 """
 
-import time
 from dataclasses import replace
 from typing import Protocol
 
@@ -90,7 +89,7 @@ class FlightLoop:
         self._speed_scale = speed_scale
         self._recorder = recorder
         self._frame_us = self._clock.stamp_us
-        self._frame_s = time.monotonic()
+        self._frame_s = self._clock.wall_s()
         self._steered_s = self._frame_s
         self._ticked_us = self._clock.stamp_us
         self._frames_flow = False  # the last turn of the loop has answered one
@@ -132,23 +131,23 @@ class FlightLoop:
         if self._camera.stamped:
             self._await_trigger(frame.stamp_us)
             self._clock.observe(frame.stamp_us)
-        self._frame_us, self._frame_s = frame.stamp_us, time.monotonic()
+        self._frame_us, self._frame_s = frame.stamp_us, self._clock.wall_s()
         self.frames += 1
         self._advance(frame.stamp_us)
         velocities = self._decide(frame) if self.state.phase is Phase.FLYING else HOLD
         self._vehicle.keep_up(frame.stamp_us)
         self._vehicle.steer(velocities, frame.stamp_us)
-        self._steered_s = time.monotonic()
+        self._steered_s = self._clock.wall_s()
         if self.state.phase is Phase.FLYING:
-            self.latencies_s.append(time.monotonic() - arrival.received_s)
+            self.latencies_s.append(self._clock.wall_s() - arrival.received_s)
         if self._recorder is not None:  # last of all: nothing waits for it now
             self._recorder.record(frame)
 
     def _await_trigger(self, stamp_us: int) -> None:
         """Wait until the vehicle's telemetry has come up to the frame, where it announces them."""
-        deadline_s = time.monotonic() + TRIGGER_WAIT_S
+        deadline_s = self._clock.wall_s() + TRIGGER_WAIT_S
         while (announced_us := self._vehicle.telemetry.trigger_us) is not None:
-            left_s = deadline_s - time.monotonic()
+            left_s = deadline_s - self._clock.wall_s()
             if announced_us >= stamp_us or left_s <= 0:
                 return
             wait_for_any(left_s, self._vehicle.link)
@@ -182,7 +181,7 @@ class FlightLoop:
 
         One that is silent gets nothing, so that it may leave OFFBOARD by its own failsafe.
         """
-        now_s = time.monotonic()
+        now_s = self._clock.wall_s()
         stands = self._clock.stamp_us <= self._frame_us
         alive = self._vehicle.link.silence_s < REPEAT_S / 2
         if stands and alive and now_s - self._steered_s >= REPEAT_S:
@@ -191,7 +190,7 @@ class FlightLoop:
 
     def _frameless_us(self) -> int:
         """Vehicle time as telemetry tells it, or the wall where that has stood still for long."""
-        without_s = time.monotonic() - self._frame_s
+        without_s = self._clock.wall_s() - self._frame_s
         if without_s < FRAMES_LOST_S:
             return self._clock.stamp_us
         return max(self._clock.stamp_us, self._frame_us + round(without_s * 1e6))

@@ -2,6 +2,7 @@
 
 import sys
 import time
+from collections.abc import Callable
 from typing import TextIO
 
 LIVE_S = 0.2  # wall time between two versions of the live line
@@ -11,10 +12,17 @@ ERASE_LINE = "\r\x1b[K"
 class Progress:
     """Lines on standard error, so that standard output holds the result alone."""
 
-    def __init__(self, *, verbosity: int = 0, stream: TextIO | None = None) -> None:
+    def __init__(
+        self,
+        *,
+        verbosity: int = 0,
+        stream: TextIO | None = None,
+        wall_s: Callable[[], float] = time.monotonic,
+    ) -> None:
         self._stream = sys.stderr if stream is None else stream
         self._verbosity = verbosity
         self._is_live = verbosity >= 0 and self._stream.isatty()
+        self._wall_s = wall_s
         self._live_s = 0.0
         self._live = ""
 
@@ -35,11 +43,11 @@ class Progress:
     @property
     def wants_live(self) -> bool:
         """Whether it is time for a new version of the live line."""
-        return self._is_live and time.monotonic() - self._live_s >= LIVE_S
+        return self._is_live and self._wall_s() - self._live_s >= LIVE_S
 
     def live(self, text: str) -> None:
         """Replace the live line."""
-        self._live_s = time.monotonic()
+        self._live_s = self._wall_s()
         self._live = text
         self._stream.write(ERASE_LINE + text)
         self._stream.flush()

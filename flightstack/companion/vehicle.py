@@ -32,7 +32,7 @@ class Vehicle:
         self._takeoff_altitude_m = takeoff_altitude_m
         self._receiver = TelemetryReceiver(link.clock)
         self._commands = CommandSender(link)
-        self._heartbeat = HeartbeatSender(link.send)
+        self._heartbeat = HeartbeatSender(link.send, link.clock.wall_s)
         self._explanation: list[Message] = []  # of the setpoint that is to come
         self._uncertainty = UncertaintyPublisher(
             self._explanation.append, with_members=publish_members

@@ -4,7 +4,6 @@ Both, because the vehicle's clock may run fast, and may stand still while the ve
 The wall's turn comes a little later, so that where images come, their stamps alone set the pace.
 """
 
-import time
 from collections.abc import Callable
 
 from pymavlink.dialects.v20 import common
@@ -18,9 +17,7 @@ WALL_PERIOD_S = 1.2
 class HeartbeatSender:
     """Announce an onboard computer that is part of the vehicle's system."""
 
-    def __init__(
-        self, send: Callable[[Message], None], wall_s: Callable[[], float] = time.monotonic
-    ) -> None:
+    def __init__(self, send: Callable[[Message], None], wall_s: Callable[[], float]) -> None:
         self._send = send
         self._wall_s = wall_s
         self._sent: tuple[int, float] | None = None  # vehicle time us, wall time s

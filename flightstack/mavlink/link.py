@@ -8,9 +8,7 @@ stood still while it was off signs with old timestamps. It is not believed, but 
 HEARTBEAT tells it the time, as the signing protocol has it.
 """
 
-import time
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -95,7 +93,6 @@ class Link:
         transport: Transport,
         tlog: TlogWriter,
         clock: VehicleClock,
-        wall_s: Callable[[], float] = time.monotonic,
         *,
         signing: Signing | None = None,
     ) -> None:
@@ -107,8 +104,7 @@ class Link:
         self._stale_address: Address | None = None  # of one who may be the vehicle
         self._vehicle_system = NOBODY
         self._transport = transport
-        self._wall_s = wall_s
-        self._heard_s = wall_s()
+        self._heard_s = clock.wall_s()
         self._protocol = common.MAVLink(None, srcSystem=1, srcComponent=COMPANION_COMPONENT)
         self._newest: dict[int, bytes] = {}
 
@@ -120,7 +116,7 @@ class Link:
     @property
     def silence_s(self) -> float:
         """Wall time since the vehicle was last heard; endless where its end has closed."""
-        return float("inf") if self._transport.closed else self._wall_s() - self._heard_s
+        return float("inf") if self._transport.closed else self.clock.wall_s() - self._heard_s
 
     def fileno(self) -> int:
         """Return what a selector waits on."""
@@ -178,7 +174,7 @@ class Link:
             self.tlog.append(self.clock.elapsed_us, packet)
             return
         if component == AUTOPILOT_COMPONENT:
-            self._heard_s = self._wall_s()
+            self._heard_s = self.clock.wall_s()
             if number in STAMPED:
                 self._observe_stamp(packet)
         self.tlog.append(self.clock.elapsed_us, packet)

@@ -3,6 +3,7 @@
 from io import StringIO
 
 from flightstack.companion.progress import ERASE_LINE, Progress
+from tests.unit.flightstack.mavlink.made_link import Wall
 
 
 class Terminal(StringIO):
@@ -29,9 +30,19 @@ def test_a_file_gets_no_live_line() -> None:
     assert not Progress(stream=StringIO()).wants_live
 
 
+def test_the_live_line_is_renewed_five_times_a_second() -> None:
+    wall = Wall()
+    progress = Progress(stream=Terminal(), wall_s=wall)
+    progress.live("1.5 m/s")
+    wall.now_s += 0.19
+    assert not progress.wants_live
+    wall.now_s += 0.02
+    assert progress.wants_live
+
+
 def test_events_stand_above_the_live_line() -> None:
     terminal = Terminal()
-    progress = Progress(stream=terminal)
+    progress = Progress(stream=terminal, wall_s=Wall())
     assert progress.wants_live
     progress.live("1.5 m/s")
     assert not progress.wants_live

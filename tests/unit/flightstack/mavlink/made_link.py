@@ -51,7 +51,7 @@ class MadeLink:
         self.wall = Wall()
         self.clock = VehicleClock(self.wall)
         self.tlog = TlogWriter(folder / "link.tlog", self.wall)
-        self.link = Link(self.transport, self.tlog, self.clock, self.wall, signing=signing)
+        self.link = Link(self.transport, self.tlog, self.clock, signing=signing)
 
     def say(
         self, message: Any, system: int = 3, component: int = 1, address: Address = VEHICLE
