@@ -14,7 +14,7 @@ ALL_MEMBERS = -1  # Decision.member where every policy was pooled
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Frame:
+class Image:
     """One camera image, stamped in vehicle time."""
 
     stamp_us: int
@@ -45,7 +45,7 @@ class ActionSamples:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Decision:
-    """The command for one frame, and all that is known about how sure it is."""
+    """The command for one image, and all that is known about how sure it is."""
 
     command: NDArray[np.float64]  # (4,) m/s, rad/s
     aleatoric_std: NDArray[np.float64]  # (4,) expected predicted noise

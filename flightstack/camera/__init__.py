@@ -1,1 +1,1 @@
-"""Where frames come from: the vehicle's stamped stream, or any camera that OpenCV opens."""
+"""Where images come from: the vehicle's stamped stream, or any camera that OpenCV opens."""

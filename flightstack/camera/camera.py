@@ -17,22 +17,22 @@ REOPEN_S = 0.2  # wall time between attempts after a stream has broken
 JOIN_S = 2.0
 
 
-class Source(Protocol):
-    """Something that gives frames, one call each."""
+class CameraSource(Protocol):
+    """Something that gives images, one call each."""
 
-    stamped: bool  # whether the frames carry the vehicle's own stamps
+    stamped: bool  # whether the images carry the vehicle's own stamps
 
     def read(self) -> Arrival:
-        """Wait for the next frame; raises OSError when there will be none."""
+        """Wait for the next image; raises OSError when there will be none."""
 
     def close(self) -> None:
         """End reading, from any thread."""
 
 
 class Camera:
-    """The newest frame of a source; reopens a network stream that breaks."""
+    """The newest image of a source; reopens a network stream that breaks."""
 
-    def __init__(self, source: Source, reopen: Callable[[], Source] | None) -> None:
+    def __init__(self, source: CameraSource, reopen: Callable[[], CameraSource] | None) -> None:
         self._source = source
         self._reopen = reopen
         self._mailbox = Mailbox()
@@ -43,15 +43,15 @@ class Camera:
 
     @property
     def stamped(self) -> bool:
-        """Whether frames carry the vehicle's own stamps; known after the first."""
+        """Whether images carry the vehicle's own stamps; known after the first."""
         return self._source.stamped
 
     def fileno(self) -> int:
-        """Return what a selector waits on: readable while there is a frame."""
+        """Return what a selector waits on: readable while there is an image."""
         return self._mailbox.fileno()
 
     def take(self) -> Arrival | None:
-        """Take the newest frame, if it has not been taken; never waits."""
+        """Take the newest image, if it has not been taken; never waits."""
         return self._mailbox.take()
 
     def close(self) -> None:
@@ -77,7 +77,7 @@ class Camera:
                 return self._replace(self._reopen())
         return False
 
-    def _replace(self, source: Source) -> bool:
+    def _replace(self, source: CameraSource) -> bool:
         with self._swap:
             self._source = source
             if self._closing.is_set():

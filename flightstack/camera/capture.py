@@ -9,7 +9,7 @@ import numpy as np
 
 from flightstack.camera.mailbox import Arrival
 from flightstack.clock import VehicleClock
-from flightstack.records import Frame
+from flightstack.records import Image
 
 OPEN_TIMEOUT_MS = 5000
 READ_TIMEOUT_MS = 5000
@@ -20,7 +20,7 @@ os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 
 
 class CaptureSource:
-    """An opened cv2.VideoCapture; frames are stamped with the vehicle's clock as they come."""
+    """An opened cv2.VideoCapture; images are stamped with the vehicle's clock as they come."""
 
     stamped = False
 
@@ -35,7 +35,7 @@ class CaptureSource:
         self._next_s = self._clock.wall_s()
 
     def read(self) -> Arrival:
-        """Wait for the next frame; raises OSError when the camera gives no more."""
+        """Wait for the next image; raises OSError when the camera gives no more."""
         self._pace()
         good, bgr = self._capture.read()
         received_s = self._clock.wall_s()
@@ -43,8 +43,8 @@ class CaptureSource:
             raise OSError(0, "the camera gives no more frames")
         self._count += 1
         rgb = np.asarray(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB), np.uint8)
-        frame = Frame(stamp_us=self._clock.now_us(), sequence=self._count, rgb=rgb)
-        return Arrival(frame, received_s)
+        image = Image(stamp_us=self._clock.now_us(), sequence=self._count, rgb=rgb)
+        return Arrival(image, received_s)
 
     def close(self) -> None:
         """End reading; a `read` that waits in another thread returns with an error."""

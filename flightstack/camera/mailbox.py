@@ -1,22 +1,22 @@
-"""Hand the newest frame from the camera's thread to the loop: one slot, no queue."""
+"""Hand the newest image from the camera's thread to the loop: one slot, no queue."""
 
 import socket
 import threading
 from dataclasses import dataclass
 
-from flightstack.records import Frame
+from flightstack.records import Image
 
 
 @dataclass(frozen=True, slots=True)
 class Arrival:
-    """A frame, and when (wall time, monotonic seconds) it was received."""
+    """An image, and when (wall time, monotonic seconds) it was received."""
 
-    frame: Frame
+    image: Image
     received_s: float
 
 
 class Mailbox:
-    """Put in one thread, take in another; a frame that was not taken in time is replaced."""
+    """Put in one thread, take in another; an image that was not taken in time is replaced."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -27,11 +27,11 @@ class Mailbox:
             end.settimeout(0.0)
 
     def fileno(self) -> int:
-        """Return what a selector waits on: readable while there is a frame."""
+        """Return what a selector waits on: readable while there is an image."""
         return self._bell_in.fileno()
 
     def put(self, arrival: Arrival) -> None:
-        """Leave a frame, in place of any that lies there."""
+        """Leave an image, in place of any that lies there."""
         with self._lock:
             if self._is_closed:  # while the camera was delivering
                 return
@@ -41,7 +41,7 @@ class Mailbox:
                 self._bell_out.send(b"\0")
 
     def take(self) -> Arrival | None:
-        """Take the frame, if there is one; never waits."""
+        """Take the image, if there is one; never waits."""
         with self._lock:
             arrival, self._slot = self._slot, None
             if arrival is not None:
@@ -49,7 +49,7 @@ class Mailbox:
             return arrival
 
     def close(self) -> None:
-        """Close the bell; frames that are put from now on go nowhere."""
+        """Close the bell; images that are put from now on go nowhere."""
         with self._lock:
             self._is_closed = True
             self._bell_out.close()

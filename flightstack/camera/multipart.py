@@ -1,7 +1,7 @@
 """Read a camera's HTTP stream of multipart/x-mixed-replace parts.
 
 Each part is one coded image with a Content-Length. X-Timestamp (seconds of vehicle time) and
-X-Sequence say which frame it is; a stream without them is stamped on arrival.
+X-Sequence say which image it is; a stream without them is stamped on arrival.
 """
 
 import contextlib
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from flightstack.camera.mailbox import Arrival
 from flightstack.clock import VehicleClock
-from flightstack.records import Frame
+from flightstack.records import Image
 
 CONNECT_TIMEOUT_S = 5.0
 MULTIPART = "multipart/x-mixed-replace"
@@ -28,7 +28,7 @@ class NotMultipartError(OSError):
 
 
 class MultipartSource:
-    """One connection to a stream; `stamped` once its first frame has carried a stamp."""
+    """One connection to a stream; `stamped` once its first image has carried a stamp."""
 
     def __init__(self, uri: str, clock: VehicleClock) -> None:
         self.stamped = False
@@ -48,17 +48,17 @@ class MultipartSource:
         except (OSError, http.client.HTTPException):
             self.close()
             raise
-        self._socket.settimeout(None)  # a vehicle may stand still between two frames
+        self._socket.settimeout(None)  # a vehicle may stand still between two images
 
     def read(self) -> Arrival:
-        """Wait for the next frame that decodes; raises OSError when the stream has ended."""
+        """Wait for the next image that decodes; raises OSError when the stream has ended."""
         while True:
             headers = self._read_headers()
             content = self._read_exactly(int(headers.get("content-length", "-1")))
             received_s = self._clock.wall_s()
             rgb = decode_rgb(content)
             if rgb is not None:
-                return Arrival(self._frame(headers, rgb), received_s)
+                return Arrival(self._image(headers, rgb), received_s)
 
     def close(self) -> None:
         """End the stream; a `read` that waits in another thread raises OSError."""
@@ -74,11 +74,11 @@ class MultipartSource:
             raise OSError(0, f"{uri} answers {self._response.status} {self._response.reason}")
         raise NotMultipartError(0, f"{uri} is no {MULTIPART} stream but {content_type!r}")
 
-    def _frame(self, headers: dict[str, str], rgb: NDArray[np.uint8]) -> Frame:
+    def _image(self, headers: dict[str, str], rgb: NDArray[np.uint8]) -> Image:
         self._count += 1
         stamp = headers.get("x-timestamp")
         self.stamped = stamp is not None
-        return Frame(
+        return Image(
             stamp_us=self._clock.now_us() if stamp is None else round(float(stamp) * 1e6),
             sequence=int(headers.get("x-sequence", self._count)),
             rgb=rgb,

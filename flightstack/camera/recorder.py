@@ -1,8 +1,8 @@
-"""Keep the camera's frames as PNG files, one a frame, written on a thread of its own.
+"""Keep the camera's images as PNG files, one per image, written on a thread of its own.
 
-Whoever hands a frame over never waits. What the disk cannot keep up with is left out, and a disk
+Whoever hands an image over never waits. What the disk cannot keep up with is left out, and a disk
 that refuses ends the recording; `failure` says which of the two has happened. Files are named by
-the frame's stamp in vehicle time, 000012345678.png, and appear whole or not at all.
+the image's stamp in vehicle time, 000012345678.png, and appear whole or not at all.
 """
 
 import contextlib
@@ -13,23 +13,23 @@ from queue import SimpleQueue
 import cv2
 
 from flightstack.errors import UsageError
-from flightstack.records import Frame
+from flightstack.records import Image
 
-QUEUED_BYTES = 32 << 20  # of pixels: 2,700 of the simulator's frames, 5 of a full-HD camera's
+QUEUED_BYTES = 32 << 20  # of pixels: 2,700 of the simulator's images, 5 of a full-HD camera's
 CLOSE_S = 10.0  # wall time for what is still queued
 FAST = (cv2.IMWRITE_PNG_COMPRESSION, 1)
 NAME = "[0-9]" * 12 + ".png"
 
 
-class FrameRecorder:
-    """Write frames into a folder; frames of an earlier recording there are removed."""
+class ImageRecorder:
+    """Write images into a folder; images of an earlier recording there are removed."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.failure: str | None = None
         self._put_bytes = 0  # counted by the thread that records
         self._done_bytes = 0  # counted by the thread that writes
-        self._queue: SimpleQueue[Frame | None] = SimpleQueue()
+        self._queue: SimpleQueue[Image | None] = SimpleQueue()
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for earlier in folder.glob(NAME):
@@ -41,9 +41,9 @@ class FrameRecorder:
         self._thread = threading.Thread(target=self._write_all, name="recorder", daemon=True)
         self._thread.start()
 
-    def record(self, frame: Frame) -> None:
-        """Have a frame written some time soon; never waits."""
-        size = frame.rgb.nbytes
+    def record(self, image: Image) -> None:
+        """Have an image written some time soon; never waits."""
+        size = image.rgb.nbytes
         queued = self._put_bytes - self._done_bytes
         if queued and queued + size > QUEUED_BYTES:
             self.failure = self.failure or (
@@ -51,7 +51,7 @@ class FrameRecorder:
             )
             return
         self._put_bytes += size
-        self._queue.put(frame)
+        self._queue.put(image)
 
     def close(self) -> None:
         """Wait until what is queued has been written, but not forever; leave no empty folder."""
@@ -62,14 +62,14 @@ class FrameRecorder:
 
     def _write_all(self) -> None:
         refused = False
-        while (frame := self._queue.get()) is not None:
-            refused = refused or not self._write(frame)
-            self._done_bytes += frame.rgb.nbytes
+        while (image := self._queue.get()) is not None:
+            refused = refused or not self._write(image)
+            self._done_bytes += image.rgb.nbytes
 
-    def _write(self, frame: Frame) -> bool:
-        path = self.folder / f"{frame.stamp_us:012d}.png"
+    def _write(self, image: Image) -> bool:
+        path = self.folder / f"{image.stamp_us:012d}.png"
         partial = path.with_suffix(".part")
-        _, coded = cv2.imencode(".png", cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2BGR), FAST)
+        _, coded = cv2.imencode(".png", cv2.cvtColor(image.rgb, cv2.COLOR_RGB2BGR), FAST)
         try:
             partial.write_bytes(coded.data)
             partial.replace(path)

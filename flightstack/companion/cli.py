@@ -25,7 +25,7 @@ exit codes: 0 done, 1 mission failed, 2 usage, 3 no vehicle, link or camera, 4 b
 130 interrupted. SIGINT and SIGTERM land first; a second one ends at once."""
 
 
-class _Parser(argparse.ArgumentParser):
+class _CompanionParser(argparse.ArgumentParser):
     """argparse, with errors of one line."""
 
     def error(self, message: str) -> NoReturn:
@@ -34,7 +34,7 @@ class _Parser(argparse.ArgumentParser):
 
 def build_parser() -> argparse.ArgumentParser:
     """Describe the command line."""
-    parser = _Parser(
+    parser = _CompanionParser(
         prog=PROGRAM,
         description="Fly a MAVLink vehicle through gates by what its camera sees.",
         epilog=EPILOG,
@@ -82,9 +82,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _fly(arguments: argparse.Namespace) -> int:
     # Here, not above: --help and a mistyped option must not wait for OpenCV and torch.
+    from flightstack.companion.console import Console  # noqa: PLC0415
     from flightstack.companion.flight import fly  # noqa: PLC0415
     from flightstack.companion.loop import Pilot  # noqa: PLC0415
-    from flightstack.companion.progress import Progress  # noqa: PLC0415
     from flightstack.companion.signals import ending_at_once  # noqa: PLC0415
 
     plan = _plan(arguments)
@@ -101,9 +101,9 @@ def _fly(arguments: argparse.Namespace) -> int:
             policy=arguments.policy,
         )
 
-    progress = Progress(verbosity=int(arguments.verbose) - int(arguments.quiet))
+    console = Console(verbosity=int(arguments.verbose) - int(arguments.quiet))
     with ending_at_once():
-        summary = fly(plan, load_pilot, progress)
+        summary = fly(plan, load_pilot, console)
     if arguments.json:
         print(summary.to_json(model=arguments.model, strategy=_strategy(arguments)), flush=True)
     else:
@@ -119,7 +119,7 @@ def _plan(arguments: argparse.Namespace) -> "FlightPlan":
     return FlightPlan(
         endpoint=parse_endpoint(arguments.connect or arguments.udp or DEFAULT_PORT),
         log=arguments.log or _default_log(),
-        record_frames=arguments.record_frames,
+        record_images=arguments.record_frames,
         camera=arguments.camera,
         takeoff_altitude_m=arguments.takeoff_altitude,
         duration_s=arguments.duration,

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from pymavlink.dialects.v20 import common
 
 from flightstack.camera.camera import Camera, open_camera
-from flightstack.companion.loop import FrameQueue
-from flightstack.companion.vehicle import Vehicle
+from flightstack.companion.loop import ImageQueue
+from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.companion.waiting import wait_for_any
 from flightstack.errors import LinkError
 from flightstack.mavlink.commands import CommandSender, request_message
@@ -20,7 +20,7 @@ ASK_S = 0.5
 IDLE_S = 0.1
 
 
-def wait_for_vehicle(vehicle: Vehicle, timeout_s: float, *, name: str) -> None:
+def wait_for_vehicle(vehicle: VehicleSession, timeout_s: float, *, name: str) -> None:
     """Return once a PX4 vehicle has been heard; raises LinkError after `timeout_s`."""
     if not _receive_until(vehicle, lambda: vehicle.link.vehicle is not None, timeout_s):
         refused = ", ".join(verdict.value for verdict in vehicle.link.refused)
@@ -34,7 +34,7 @@ def wait_for_vehicle(vehicle: Vehicle, timeout_s: float, *, name: str) -> None:
         )
 
 
-def find_camera(vehicle: Vehicle, timeout_s: float) -> str:
+def find_camera(vehicle: VehicleSession, timeout_s: float) -> str:
     """Return the URI of the vehicle's video stream; raises LinkError after `timeout_s`."""
     ask = request_message(common.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION, CAMERA_COMPONENT)
     commands = CommandSender(vehicle.link)
@@ -49,7 +49,7 @@ def find_camera(vehicle: Vehicle, timeout_s: float) -> str:
     )
 
 
-def wait_for_camera(vehicle: Vehicle, uri: str, timeout_s: float) -> Camera:
+def wait_for_camera(vehicle: VehicleSession, uri: str, timeout_s: float) -> Camera:
     """Open a camera, which may start later than we; raises LinkError after `timeout_s`."""
     clock = vehicle.link.clock
     deadline_s = clock.wall_s() + timeout_s
@@ -62,8 +62,10 @@ def wait_for_camera(vehicle: Vehicle, uri: str, timeout_s: float) -> Camera:
         _receive_until(vehicle, lambda: False, ASK_S)
 
 
-def wait_for_frame(vehicle: Vehicle, camera: FrameQueue, timeout_s: float, *, name: str) -> None:
-    """Return once a frame lies ready; raises LinkError after `timeout_s`."""
+def wait_for_image(
+    vehicle: VehicleSession, camera: ImageQueue, timeout_s: float, *, name: str
+) -> None:
+    """Return once an image lies ready; raises LinkError after `timeout_s`."""
 
     def is_ready() -> bool:
         return wait_for_any(0, camera)
@@ -73,7 +75,7 @@ def wait_for_frame(vehicle: Vehicle, camera: FrameQueue, timeout_s: float, *, na
 
 
 def _receive_until(
-    vehicle: Vehicle, found: Callable[[], bool], timeout_s: float, *also: FrameQueue
+    vehicle: VehicleSession, found: Callable[[], bool], timeout_s: float, *also: ImageQueue
 ) -> bool:
     clock = vehicle.link.clock
     deadline_s = clock.wall_s() + timeout_s

@@ -6,21 +6,21 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from flightstack.camera.recorder import FrameRecorder
+from flightstack.camera.recorder import ImageRecorder
 from flightstack.clock import VehicleClock
+from flightstack.companion.console import Console
 from flightstack.companion.discovery import (
     find_camera,
     wait_for_camera,
-    wait_for_frame,
+    wait_for_image,
     wait_for_vehicle,
 )
 from flightstack.companion.loop import FlightLoop, Pilot
 from flightstack.companion.mission_state import MissionState, Outcome
-from flightstack.companion.progress import Progress
 from flightstack.companion.reporter import Reporter
 from flightstack.companion.signals import landing_first
-from flightstack.companion.summary import Summary
-from flightstack.companion.vehicle import Vehicle
+from flightstack.companion.summary import FlightSummary
+from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.mavlink.endpoint import Endpoint
 from flightstack.mavlink.link import Link
 from flightstack.mavlink.signing import Signing
@@ -36,7 +36,7 @@ class FlightPlan:
 
     endpoint: Endpoint
     log: Path
-    record_frames: bool = False  # beside the log
+    record_images: bool = False  # beside the log
     camera: str | None = None  # None: the one that the vehicle names
     takeoff_altitude_m: float = 3.0  # above home
     duration_s: float | None = None  # in OFFBOARD, vehicle time
@@ -47,12 +47,12 @@ class FlightPlan:
     signing_key: bytes | None = field(default=None, repr=False)
 
 
-def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], progress: Progress) -> Summary:
+def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], console: Console) -> FlightSummary:
     """Fly, and say what happened; raises a FlightstackError where no flight begins."""
     clock = VehicleClock()
-    reporter = Reporter(progress)
+    reporter = Reporter(console)
     with contextlib.ExitStack() as stack:
-        stack.callback(progress.close)
+        stack.callback(console.close)
         stack.callback(reporter.report_failures)  # of the last writes, too
         tlog = TlogWriter(plan.log, clock.wall_s)
         stack.callback(tlog.close)
@@ -62,13 +62,13 @@ def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], progress: Progress) -
         transport = open_transport(plan.endpoint)
         link = Link(transport, tlog, clock, signing=signing)
         stack.callback(link.close)
-        vehicle = Vehicle(link, plan.takeoff_altitude_m, publish_members=plan.record_frames)
+        vehicle = VehicleSession(link, plan.takeoff_altitude_m, publish_members=plan.record_images)
         pilot = load_pilot()
         transport.forget_backlog()
-        uri = _find(vehicle, plan, progress)
+        uri = _find(vehicle, plan, console)
         camera = wait_for_camera(vehicle, uri, min(plan.timeout_s, CAMERA_OPENS_S))
         stack.callback(camera.close)
-        wait_for_frame(vehicle, camera, plan.timeout_s, name=uri)
+        wait_for_image(vehicle, camera, plan.timeout_s, name=uri)
         gc.freeze()  # libraries and networks stay: no need to look through them again and again
         loop = FlightLoop(
             vehicle,
@@ -92,28 +92,28 @@ def _mission(plan: FlightPlan) -> MissionState:
 
 def _open_recorder(
     plan: FlightPlan, reporter: Reporter, stack: contextlib.ExitStack
-) -> FrameRecorder | None:
-    if not plan.record_frames:
+) -> ImageRecorder | None:
+    if not plan.record_images:
         return None
-    recorder = FrameRecorder(plan.log.with_suffix(".frames"))
+    recorder = ImageRecorder(plan.log.with_suffix(".frames"))
     stack.callback(recorder.close)
     reporter.watch(recorder)
     return recorder
 
 
-def _find(vehicle: Vehicle, plan: FlightPlan, progress: Progress) -> str:
+def _find(vehicle: VehicleSession, plan: FlightPlan, console: Console) -> str:
     """Wait for the vehicle; return the URI of its camera, or of the one that was named."""
-    progress.event(f"waiting for the vehicle on {plan.endpoint}")
+    console.event(f"waiting for the vehicle on {plan.endpoint}")
     wait_for_vehicle(vehicle, plan.timeout_s, name=str(plan.endpoint))
     found = vehicle.link.vehicle
     if found is not None and found.signs and plan.signing_key is None:
-        progress.warning("the vehicle signs its messages and may heed only such: see --signing-key")
+        console.warning("the vehicle signs its messages and may heed only such: see --signing-key")
     uri = plan.camera or find_camera(vehicle, plan.timeout_s)
-    progress.event(f"vehicle {vehicle.link.system_id} found; opening its camera {uri}")
+    console.event(f"vehicle {vehicle.link.system_id} found; opening its camera {uri}")
     return uri
 
 
-def _run(loop: FlightLoop, vehicle: Vehicle, plan: FlightPlan) -> Summary:
+def _run(loop: FlightLoop, vehicle: VehicleSession, plan: FlightPlan) -> FlightSummary:
     clock = vehicle.link.clock
     began_s, began_us = clock.wall_s(), clock.stamp_us
     interrupted = False
@@ -126,7 +126,7 @@ def _run(loop: FlightLoop, vehicle: Vehicle, plan: FlightPlan) -> Summary:
     state, course = loop.state, vehicle.telemetry.course
     ended_us = clock.stamp_us if state.ended_us is None else state.ended_us
     outcome = Outcome.INTERRUPTED if interrupted else state.outcome or Outcome.INTERRUPTED
-    return Summary(
+    return FlightSummary(
         outcome=outcome,
         gates_passed=course.gates_passed,
         gates_total=course.gates_total,
@@ -134,6 +134,6 @@ def _run(loop: FlightLoop, vehicle: Vehicle, plan: FlightPlan) -> Summary:
         log=plan.log,
         real_time_factor=(clock.stamp_us - began_us) / 1e6 / wall_s,
         latencies_s=tuple(loop.latencies_s),
-        frames=loop.frames,
+        images=loop.images,
         setpoints=vehicle.setpoints,
     )

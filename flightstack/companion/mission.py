@@ -11,9 +11,9 @@
        |                                      |                                |
        +-- hazard or refusal --> DONE <-- disarmed ----------------------------+
 
-A hazard is a request to stop (a signal), a camera that gives no frames, or a vehicle whose
-heartbeat has stopped. `advance` is called for each camera frame, and at the same pace without
-frames when they have stopped. It answers with the requests to send: each is made again after
+A hazard is a request to stop (a signal), a camera that gives no images, or a vehicle whose
+heartbeat has stopped. `advance` is called for each camera image, and at the same pace without
+images when they have stopped. It answers with the requests to send: each is made again after
 RETRY_US until its effect shows in the vehicle's HEARTBEAT, and given up after the phase's limit.
 A vehicle that somebody else takes out of a mode is not fought over.
 """
@@ -192,7 +192,7 @@ def _hazard(state: MissionState, situation: Situation, now_us: int) -> Outcome |
         return Outcome.INTERRUPTED
     if state.phase is Phase.TAKEN_OVER:
         return None
-    if now_us - situation.frame_us > CAMERA_LOST_US:
+    if now_us - situation.image_us > CAMERA_LOST_US:
         return Outcome.CAMERA_LOST
     heartbeat_us = situation.vehicle.heartbeat_us
     if heartbeat_us is not None and now_us - heartbeat_us > HEARTBEAT_LOST_US:

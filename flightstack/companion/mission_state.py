@@ -51,7 +51,7 @@ class Situation:
     """What the mission knows of the world at one moment; times are vehicle time."""
 
     vehicle: Telemetry
-    frame_us: int  # stamp of the newest camera frame
+    image_us: int  # stamp of the newest camera image
     stop_requested: bool = False
 
 

@@ -1,4 +1,4 @@
-"""The whole idea on one page: an image becomes a command, and what is known about its doubt.
+"""The whole idea on one page: an image becomes a command, and how uncertain it is.
 
     image --> M latent samples --> N x M Gaussians over each velocity --> one command
               perception           policy                                 decision
@@ -15,13 +15,13 @@ from flightstack.perception.posterior import LatentPosterior, make_posterior
 from flightstack.perception.preprocessing import fit_image
 from flightstack.policy.ensemble import Policy, PolicyEnsemble
 from flightstack.policy.scales import VelocityRange
-from flightstack.records import Decision, Frame
+from flightstack.records import Decision, Image
 
 
 class Pipeline:
-    """Decide one command for every frame; not safe to share between threads.
+    """Decide one command for every image; not safe to share between threads.
 
-    Decisions are a pure function of the frames so far and the posterior's seed.
+    Decisions are a pure function of the images so far and the posterior's seed.
     """
 
     def __init__(
@@ -34,9 +34,9 @@ class Pipeline:
         self._posterior, self._ensemble, self._strategy = posterior, ensemble, strategy
         self._limits = limits
 
-    def decide(self, frame: Frame) -> Decision:
+    def decide(self, image: Image) -> Decision:
         """See, predict, decide; the command stays inside the limits."""
-        z = self._posterior.sample(fit_image(frame.rgb))
+        z = self._posterior.sample(fit_image(image.rgb))
         samples = self._ensemble.predict(z)
         decision = self._strategy.decide(samples)
         return replace(decision, command=self._limits.clip(decision.command))
@@ -51,7 +51,7 @@ def load_pipeline(
     perception: str | None = None,
     policy: str | None = None,
 ) -> Pipeline:
-    """Load a model by name, with its own parts or with others, ready for its first frame.
+    """Load a model by name, with its own parts or with others, ready for its first image.
 
     `direction` is the course's, "cw" or "ccw", seen from above. `strategy`, `perception` and
     `policy` may name what a user brings (docs/bring-your-own.md). Raises ModelError for the model,

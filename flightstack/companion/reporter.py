@@ -5,9 +5,9 @@ from typing import Protocol
 
 from pymavlink.dialects.v20 import common
 
+from flightstack.companion.console import Console
 from flightstack.companion.mission_state import MissionState, Phase
-from flightstack.companion.progress import Progress
-from flightstack.companion.vehicle import Vehicle
+from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.mavlink.commands import CommandRefusal, command_name
 from flightstack.mavlink.telemetry import Telemetry
 from flightstack.mavlink.uncertainty import total_std_m_s
@@ -28,8 +28,8 @@ class Keeper(Protocol):
 class Reporter:
     """Compare each turn of the loop with the one before, and tell the difference."""
 
-    def __init__(self, progress: Progress) -> None:
-        self._progress = progress
+    def __init__(self, console: Console) -> None:
+        self._console = console
         self._keepers: list[Keeper] = []
         self._phase: Phase | None = None
         self._gates_passed = 0
@@ -44,7 +44,7 @@ class Reporter:
         """Tell of something wrong, the first time only."""
         if text not in self._warned:
             self._warned.add(text)
-            self._progress.warning(text)
+            self._console.warning(text)
 
     def watch(self, keeper: Keeper) -> None:
         """Tell, too, when this one fails."""
@@ -56,30 +56,30 @@ class Reporter:
             if keeper.failure is not None:
                 self.warn_once(keeper.failure)
 
-    def report(self, state: MissionState, vehicle: Vehicle) -> None:
+    def report(self, state: MissionState, vehicle: VehicleSession) -> None:
         """Tell what is new."""
         telemetry = vehicle.telemetry
         for text in vehicle.drain_texts():
             tell = (
-                self._progress.event if text.severity <= WARNING_SEVERITY else self._progress.detail
+                self._console.event if text.severity <= WARNING_SEVERITY else self._console.detail
             )
             tell(f"vehicle: {text.text}")
         for refusal in vehicle.drain_refusals():
-            tell = self._progress.detail if _is_question(refusal) else self._progress.event
+            tell = self._console.detail if _is_question(refusal) else self._console.event
             tell(f"{command_name(refusal.command)}: {refusal.reason}")
         self.report_failures()
         for verdict in vehicle.link.refused:
             self.warn_once(f"messages are refused: {verdict.value}")
         if telemetry.course.gates_passed > self._gates_passed:
             self._gates_passed = telemetry.course.gates_passed
-            self._progress.event(self._flight_line(state, vehicle))
+            self._console.event(self._flight_line(state, vehicle))
         if state.phase is not self._phase:
             self._phase = state.phase
-            self._progress.event(_phase_line(state, telemetry))
-        if state.phase is Phase.FLYING and self._progress.wants_live:
-            self._progress.live(self._flight_line(state, vehicle))
+            self._console.event(_phase_line(state, telemetry))
+        if state.phase is Phase.FLYING and self._console.wants_live:
+            self._console.live(self._flight_line(state, vehicle))
 
-    def _flight_line(self, state: MissionState, vehicle: Vehicle) -> str:
+    def _flight_line(self, state: MissionState, vehicle: VehicleSession) -> str:
         telemetry = vehicle.telemetry
         since_us = state.offboard_us
         flown_s = 0.0 if since_us is None else (vehicle.link.clock.stamp_us - since_us) / 1e6

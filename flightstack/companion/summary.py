@@ -30,7 +30,7 @@ SENTENCES = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Summary:
+class FlightSummary:
     """What happened on one flight."""
 
     outcome: Outcome
@@ -39,8 +39,8 @@ class Summary:
     duration_s: float  # vehicle time from offboard to the end
     log: Path
     real_time_factor: float
-    latencies_s: tuple[float, ...]  # wall time from a frame to its setpoint, in flight
-    frames: int
+    latencies_s: tuple[float, ...]  # wall time from an image to its setpoint, in flight
+    images: int
     setpoints: int
 
     @property
@@ -61,7 +61,7 @@ class Summary:
                 "strategy": strategy,
                 "real_time_factor": round(self.real_time_factor, 2),
                 "latency_ms": {"p50": self._latency_ms(50), "p99": self._latency_ms(99)},
-                "frames": self.frames,
+                "frames": self.images,
                 "setpoints": self.setpoints,
             }
         )

@@ -32,14 +32,14 @@ from flightstack.perception.posterior import LatentPosterior, make_posterior
 from flightstack.perception.preprocessing import network_input
 from flightstack.policy.config import PolicyConfig
 from flightstack.policy.ensemble import PolicyEnsemble
-from flightstack.records import Frame
+from flightstack.records import Image
 from flightstack.training.models.catalogue import ModelPlan, read_catalogue
 from flightstack.training.presets import ENSEMBLE_MEMBERS, MCD_DROPOUT
 
 LEAST_SPEED_UP = 6.0  # of M0 over M full passes
 MOST_OF_M4 = 2.0  # of M4's time, for M0
 STRATEGIES = {"m0": "mi-mode"}  # of the others: the catalogue's
-Decide = Callable[[Frame], object]
+Decide = Callable[[Image], object]
 
 
 class FullPasses:
@@ -118,7 +118,7 @@ def _pipeline(model: Model, posterior: LatentPosterior, strategy: str) -> Pipeli
 def _time(pilots: dict[str, Decide], decisions: int) -> dict[str, NDArray[np.float64]]:
     """Milliseconds of wall and processor (K, 2), pilots taking turns; the first tenth warms up."""
     rng = np.random.default_rng(0)
-    frame = Frame(stamp_us=0, sequence=0, rgb=np.zeros((64, 64, 3), dtype=np.uint8))
+    image = Image(stamp_us=0, sequence=0, rgb=np.zeros((64, 64, 3), dtype=np.uint8))
     spent: dict[str, list[tuple[float, float]]] = {name: [] for name in pilots}
     warm_up = decisions // 10
     gc.disable()  # its pauses would hit whoever is on
@@ -126,7 +126,7 @@ def _time(pilots: dict[str, Decide], decisions: int) -> dict[str, NDArray[np.flo
         rgb = rng.integers(0, 256, (64, 64, 3), dtype=np.uint8)
         for name, decide in pilots.items():
             started = time.perf_counter(), time.process_time()
-            decide(replace(frame, rgb=rgb))
+            decide(replace(image, rgb=rgb))
             ended = time.perf_counter(), time.process_time()
             spent[name].append((ended[0] - started[0], ended[1] - started[1]))
     return {name: 1e3 * np.array(times[warm_up:]) for name, times in spent.items()}

@@ -43,7 +43,7 @@ def time_vehicle(stopwatch: Stopwatch, *, parts: bool) -> None:
 
 
 def time_companion(stopwatch: Stopwatch, decided: list[tuple[float, int]], *, parts: bool) -> None:
-    """Name the companion's parts, and note when it decides: wall time, frame stamp."""
+    """Name the companion's parts, and note when it decides: wall time, image stamp."""
     from flightstack.camera import multipart  # noqa: PLC0415 - only this role loads it
     from flightstack.companion import loop, pipeline  # noqa: PLC0415
     from flightstack.decision import strategies  # noqa: PLC0415
@@ -67,9 +67,9 @@ def time_companion(stopwatch: Stopwatch, decided: list[tuple[float, int]], *, pa
 
     decide = pipeline.Pipeline.decide
 
-    def noted(self: Any, frame: Any) -> Any:
-        decided.append((time.monotonic(), frame.stamp_us))
-        return decide(self, frame)
+    def noted(self: Any, image: Any) -> Any:
+        decided.append((time.monotonic(), image.stamp_us))
+        return decide(self, image)
 
     pipeline.Pipeline.decide = noted  # type: ignore[method-assign]
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.errors import UsageError
-from flightstack.records import Frame
+from flightstack.records import Image
 from flightstack.training.data.flights import Pilot
 
 # Imported where used: whoever renders without a pilot need not wait for torch.
@@ -57,6 +57,6 @@ class Piloting:
         pipeline = load_pipeline(str(self.folder), seed=seed)
 
         def decide(rgb: NDArray[np.uint8]) -> NDArray[np.float64]:
-            return pipeline.decide(Frame(stamp_us=0, sequence=0, rgb=rgb)).command
+            return pipeline.decide(Image(stamp_us=0, sequence=0, rgb=rgb)).command
 
         return decide

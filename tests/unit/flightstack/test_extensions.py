@@ -9,11 +9,11 @@ from flightstack import extensions
 from flightstack.companion.cli import build_parser
 from flightstack.companion.pipeline import load_pipeline
 from flightstack.errors import UsageError
-from flightstack.records import Frame
+from flightstack.records import Image
 from tests.paths import DOCS
 
 EXAMPLE = DOCS / "examples" / "cautious"
-FRAME = Frame(stamp_us=0, sequence=0, rgb=np.full((64, 64, 3), 90, dtype=np.uint8))
+IMAGE = Image(stamp_us=0, sequence=0, rgb=np.full((64, 64, 3), 90, dtype=np.uint8))
 
 
 @pytest.fixture
@@ -42,9 +42,9 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("importable", "installed")
 def test_installed_parts_are_found_by_name_and_decide() -> None:
     assert extensions.installed(extensions.STRATEGY) == ["cautious"]
-    plain = load_pipeline("strong/m0").decide(FRAME)
+    plain = load_pipeline("strong/m0").decide(IMAGE)
     brought = load_pipeline("strong/m0", "cautious", perception="steady", policy="humble")
-    decision = brought.decide(FRAME)
+    decision = brought.decide(IMAGE)
     assert decision.command[1:] == pytest.approx(plain.command[1:])
     assert abs(decision.command[0]) < abs(plain.command[0])
     np.testing.assert_allclose(decision.aleatoric_std, plain.aleatoric_std * np.sqrt(2.0))
@@ -52,8 +52,8 @@ def test_installed_parts_are_found_by_name_and_decide() -> None:
 
 @pytest.mark.usefixtures("importable")
 def test_strategy_is_found_by_its_module() -> None:
-    named = load_pipeline("strong/m0", "cautious:CautiousStrategy").decide(FRAME)
-    plain = load_pipeline("strong/m0").decide(FRAME)
+    named = load_pipeline("strong/m0", "cautious:CautiousStrategy").decide(IMAGE)
+    plain = load_pipeline("strong/m0").decide(IMAGE)
     assert abs(named.command[0]) < abs(plain.command[0])
 
 

@@ -13,7 +13,7 @@ from flightstack.models import CONFIG_FILE, WEIGHTS_FILE, ModelConfig, file_sha2
 from flightstack.perception.config import PerceptionConfig
 from flightstack.perception.labels import LabelScale
 from flightstack.policy.config import PolicyConfig
-from flightstack.records import Frame
+from flightstack.records import Image
 from flightstack.tables import table_text
 
 CONFIG = ModelConfig(
@@ -60,9 +60,9 @@ def sign(folder: Path, config: ModelConfig) -> None:
     )
 
 
-def make_frame(seed: int, size: int = 64) -> Frame:
+def make_image(seed: int, size: int = 64) -> Image:
     rgb = np.random.default_rng(seed).integers(0, 256, (size, size, 3), dtype=np.uint8)
-    return Frame(stamp_us=seed * 50_000, sequence=seed, rgb=rgb)
+    return Image(stamp_us=seed * 50_000, sequence=seed, rgb=rgb)
 
 
 def test_model_is_loaded_with_the_configuration_it_was_written_with(folder: Path) -> None:
@@ -142,24 +142,24 @@ def test_configuration_that_is_wrong_is_one_clear_error(
 
 
 @pytest.mark.usefixtures("folder")
-def test_decisions_are_a_function_of_frames_and_seed() -> None:
-    frames = [make_frame(k) for k in range(3)]
+def test_decisions_are_a_function_of_images_and_seed() -> None:
+    images = [make_image(k) for k in range(3)]
     first, again, other = (load_pipeline("test/m0", seed=seed) for seed in (1, 1, 2))
-    commands = [[pipeline.decide(f).command for f in frames] for pipeline in (first, again, other)]
+    commands = [[pipeline.decide(f).command for f in images] for pipeline in (first, again, other)]
     np.testing.assert_array_equal(commands[0], commands[1])
     assert (np.array(commands[0]) != np.array(commands[2])).any()
 
 
 @pytest.mark.usefixtures("folder")
 def test_decision_carries_every_members_score() -> None:
-    decision = load_pipeline("test/m0", "mi-mode").decide(make_frame(0))
+    decision = load_pipeline("test/m0", "mi-mode").decide(make_image(0))
     assert decision.score.shape == (3, 4)
     assert (decision.member == decision.score.argmin(axis=0)).all()
 
 
 @pytest.mark.usefixtures("folder")
-def test_frames_of_any_size_are_taken() -> None:
-    decision = load_pipeline("test/m0").decide(make_frame(0, size=240))
+def test_images_of_any_size_are_taken() -> None:
+    decision = load_pipeline("test/m0").decide(make_image(0, size=240))
     assert np.isfinite(decision.command).all()
 
 
@@ -168,7 +168,7 @@ def test_commands_stay_inside_the_velocity_range(folder: Path) -> None:
     weights["policies.out.bias"][..., :4] = 50.0
     save_file(weights, folder / WEIGHTS_FILE)
     sign(folder, CONFIG)
-    assert load_pipeline("test/m0").decide(make_frame(0)).command.tolist() == [7.0, 3.0, 3.0, 1.0]
+    assert load_pipeline("test/m0").decide(make_image(0)).command.tolist() == [7.0, 3.0, 3.0, 1.0]
 
 
 @pytest.mark.usefixtures("folder")

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from pymavlink import mavutil
 
+from flightstack.companion.console import Console
 from flightstack.companion.flight import FlightPlan, fly
-from flightstack.companion.progress import Progress
-from flightstack.companion.summary import Summary
+from flightstack.companion.summary import FlightSummary
 from flightstack.mavlink.endpoint import parse_endpoint
-from flightstack.records import ALL_MEMBERS, Decision, Frame
+from flightstack.records import ALL_MEMBERS, Decision, Image
 from tests.wire.fake_vehicle import FakeVehicle, Script
 
 FORWARD_M_S = 2.0
@@ -25,10 +25,10 @@ class ForwardPilot:
 
     def __init__(self, command: tuple[float, float, float, float] = (FORWARD_M_S, 0, 0, 0)) -> None:
         self.command = np.array(command, float)
-        self.frames: list[Frame] = []
+        self.images: list[Image] = []
 
-    def decide(self, frame: Frame) -> Decision:
-        self.frames.append(frame)
+    def decide(self, image: Image) -> Decision:
+        self.images.append(image)
         return Decision(
             command=self.command,
             aleatoric_std=np.full(4, 0.3),
@@ -61,9 +61,9 @@ class Trial:
             endpoint=parse_endpoint(f"udpin:127.0.0.1:{port}"), **(defaults | plan)
         )
 
-    def fly(self) -> Summary:
+    def fly(self) -> FlightSummary:
         with self.vehicle:
-            return fly(self.plan, lambda: self.pilot, Progress(verbosity=1, stream=self.output))
+            return fly(self.plan, lambda: self.pilot, Console(verbosity=1, stream=self.output))
 
 
 def read_tlog(path: Path) -> Iterator[Any]:

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common
 
+from flightstack.companion.console import Console
 from flightstack.companion.flight import FlightPlan, fly
 from flightstack.companion.mission_state import Outcome
-from flightstack.companion.progress import Progress
 from flightstack.errors import LinkError
 from flightstack.mavlink.endpoint import parse_endpoint
 from tests.wire.companion.companion_trial import (
@@ -38,17 +38,17 @@ def test_flies_the_course_lands_and_disarms(tmp_path: Path) -> None:
     assert "gate 3/3" in trial.output.getvalue()
 
 
-def test_answers_each_frame_with_one_setpoint(tmp_path: Path) -> None:
+def test_answers_each_image_with_one_setpoint(tmp_path: Path) -> None:
     trial = Trial(tmp_path, Script())
     summary = trial.fly()
     setpoints = trial.vehicle.setpoints()
     stamps = [setpoint.time_boot_ms for setpoint in setpoints]
     assert stamps == list(range(0, 50 * len(stamps), 50))
-    assert summary.setpoints == summary.frames == len(stamps)
+    assert summary.setpoints == summary.images == len(stamps)
     assert {(s.coordinate_frame, s.type_mask) for s in setpoints} == {(8, 0x5C7)}
     moving = [s.time_boot_ms for s in setpoints if s.vx]
-    assert moving == [frame.stamp_us // 1000 for frame in trial.pilot.frames]
-    assert all(frame.rgb[0, 0].tolist() == [30, 20, 10] for frame in trial.pilot.frames)
+    assert moving == [image.stamp_us // 1000 for image in trial.pilot.images]
+    assert all(image.rgb[0, 0].tolist() == [30, 20, 10] for image in trial.pilot.images)
 
 
 def test_identifies_as_the_vehicles_companion(tmp_path: Path) -> None:
@@ -66,7 +66,7 @@ def test_explains_each_decision(tmp_path: Path) -> None:
     trial.fly()
     arrays = [m for m in trial.vehicle.received if m.get_type() == "DEBUG_FLOAT_ARRAY"]
     named = [m for m in trial.vehicle.received if m.get_type() == "NAMED_VALUE_FLOAT"]
-    assert [m.time_usec for m in arrays] == [frame.stamp_us for frame in trial.pilot.frames]
+    assert [m.time_usec for m in arrays] == [image.stamp_us for image in trial.pilot.images]
     assert arrays[0].data[24:28] == [FORWARD_M_S, 0, 0, 0]
     assert named[0].name == "unc_alea"
     assert named[0].value == pytest.approx(0.3 * math.sqrt(3))
@@ -132,7 +132,7 @@ def test_hands_off_when_the_vehicle_leaves_offboard(tmp_path: Path) -> None:
     assert trial.vehicle.setpoints()[-1].vx == 0
 
 
-def test_holds_then_lands_when_frames_stop(tmp_path: Path) -> None:
+def test_holds_then_lands_when_images_stop(tmp_path: Path) -> None:
     trial = Trial(tmp_path, Script(gates=None, frames_stop_after=40))
     summary = trial.fly()
     assert (summary.outcome, summary.exit_code) == (Outcome.CAMERA_LOST, 3)
@@ -189,7 +189,7 @@ def test_any_camera_will_do(tmp_path: Path) -> None:
     trial = Trial(tmp_path, script, camera=str(video), duration_s=2.0)
     summary = trial.fly()
     assert (summary.outcome, summary.exit_code) == (Outcome.COMPLETED, 0)
-    assert trial.pilot.frames[0].rgb[5, 5, 0] > 240
+    assert trial.pilot.images[0].rgb[5, 5, 0] > 240
     stamps_ms = [setpoint.time_boot_ms for setpoint in trial.vehicle.setpoints()]
     assert stamps_ms == sorted(stamps_ms)
     assert stamps_ms[-1] <= trial.vehicle.time_us / 1000 + 1000
@@ -225,7 +225,7 @@ def test_no_vehicle_is_told(tmp_path: Path) -> None:
     endpoint = parse_endpoint(f"udpin:127.0.0.1:{free_port()}")
     plan = FlightPlan(endpoint=endpoint, log=tmp_path / "flight.tlog", timeout_s=0.2)
     with pytest.raises(LinkError, match=r"no vehicle heard on udpin:.* for 0\.2 s"):
-        fly(plan, ForwardPilot, Progress(verbosity=-1))
+        fly(plan, ForwardPilot, Console(verbosity=-1))
     assert not plan.log.exists()
 
 

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common
 
+from flightstack.companion.console import Console
 from flightstack.companion.flight import FlightPlan, fly
-from flightstack.companion.progress import Progress
 from flightstack.logs import read
 from flightstack.mavlink.endpoint import parse_endpoint
 from flightstack.mavlink.tlog import TlogWriter
@@ -78,7 +78,7 @@ def test_a_killed_flight_leaves_all_but_its_last_moment(seed: int, tmp_path: Pat
     path, port = tmp_path / "flight.tlog", free_port()
     plan = FlightPlan(endpoint=parse_endpoint(f"udpin:127.0.0.1:{port}"), log=path)
     companion = FORK.Process(
-        target=fly, args=(plan, ForwardPilot, Progress(verbosity=-1)), daemon=True
+        target=fly, args=(plan, ForwardPilot, Console(verbosity=-1)), daemon=True
     )
     companion.start()
     with FakeVehicle(port, Script(gates=None)) as vehicle:

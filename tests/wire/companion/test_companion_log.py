@@ -45,12 +45,12 @@ def test_without_referee_nobody_is_asked_for_gates(tmp_path: Path) -> None:
     assert "MISSION_REQUEST_LIST" not in {m.get_type() for m in trial.vehicle.received}
 
 
-def test_records_each_frame_and_what_each_member_said_of_it(tmp_path: Path) -> None:
-    trial = Trial(tmp_path, Script(), record_frames=True)
+def test_records_each_image_and_what_each_member_said_of_it(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script(), record_images=True)
     summary = trial.fly()
     pictures = sorted((tmp_path / "flight.frames").iterdir())
     stamps_us = [int(picture.stem) for picture in pictures]
-    assert stamps_us == [50_000 * k for k in range(summary.frames)]
+    assert stamps_us == [50_000 * k for k in range(summary.images)]
     assert {picture.name for picture in pictures} == {f"{us:012d}.png" for us in stamps_us}
     image = cv2.imread(str(pictures[0]), cv2.IMREAD_COLOR)
     assert image is not None
@@ -70,7 +70,7 @@ def test_records_nothing_unless_asked_to(tmp_path: Path) -> None:
 
 
 def test_flies_on_when_the_disk_is_full_and_says_so_once(tmp_path: Path) -> None:
-    trial = Trial(tmp_path, Script(), record_frames=True)
+    trial = Trial(tmp_path, Script(), record_images=True)
     with small_disk(100):
         summary = trial.fly()
     assert summary.outcome is Outcome.COMPLETED

@@ -11,14 +11,14 @@ from typing import Any
 import pytest
 from pymavlink import mavutil
 
+from flightstack.companion.console import Console
 from flightstack.companion.flight import FlightPlan, fly
 from flightstack.companion.mission_state import Outcome
-from flightstack.companion.progress import Progress
-from flightstack.companion.summary import Summary
+from flightstack.companion.summary import FlightSummary
 from flightstack.logs import read
 from flightstack.logs.flight.course import find_gates
 from flightstack.mavlink.endpoint import parse_endpoint
-from flightstack.records import Decision, Frame
+from flightstack.records import Decision, Image
 from scripts.fly_course import API_PORT, free_instance
 from tests.wire.companion.companion_trial import ForwardPilot, read_tlog
 
@@ -32,9 +32,9 @@ class Vehicle:
         self.endpoint = parse_endpoint(str(API_PORT + instance))
         self.process = subprocess.Popen([*command, "--noise=0,0", *options])
 
-    def fly(self, log: Path, pilot: ForwardPilot, **plan: Any) -> Summary:
+    def fly(self, log: Path, pilot: ForwardPilot, **plan: Any) -> FlightSummary:
         flight = FlightPlan(endpoint=self.endpoint, log=log, timeout_s=30.0, **plan)
-        return fly(flight, lambda: pilot, Progress(verbosity=-1))
+        return fly(flight, lambda: pilot, Console(verbosity=-1))
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ def instance() -> Iterator[int]:
         yield free
 
 
-def flown(instance: int, log: Path, *options: str, speed_factor: float = 0) -> Summary:
+def flown(instance: int, log: Path, *options: str, speed_factor: float = 0) -> FlightSummary:
     vehicle = Vehicle(instance, f"--speed-factor={speed_factor}", *options)
     try:
         return vehicle.fly(log, ForwardPilot((1.5, 0, 0, 0)), duration_s=4.0)
@@ -67,7 +67,7 @@ def test_takes_off_flies_lands_and_disarms(instance: int, tmp_path: Path) -> Non
     summary = flown(instance, log, "--perfect-estimate")
     assert summary.outcome in (Outcome.TIMEOUT, Outcome.MISSED_GATE)  # it flies straight on
     assert (summary.gates_passed, summary.gates_total) == (1, 8)
-    assert summary.setpoints == summary.frames
+    assert summary.setpoints == summary.images
     beats = [m for m in read_tlog(log) if m.get_type() == "HEARTBEAT" and m.get_srcComponent() == 1]
     assert OFFBOARD in [beat.custom_mode for beat in beats]
     assert any(beat.base_mode & mavutil.mavlink.MAV_MODE_FLAG_SAFETY_ARMED for beat in beats)
@@ -97,11 +97,11 @@ class KillingPilot(ForwardPilot):
         super().__init__()
         self._process = process
 
-    def decide(self, frame: Frame) -> Decision:
-        if len(self.frames) == 20:
+    def decide(self, image: Image) -> Decision:
+        if len(self.images) == 20:
             os.kill(self._process.pid, signal.SIGKILL)
             self._process.wait()
-        return super().decide(frame)
+        return super().decide(image)
 
 
 def test_a_killed_vehicle_is_lost(instance: int, tmp_path: Path) -> None:

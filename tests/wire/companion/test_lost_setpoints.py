@@ -18,7 +18,7 @@ LOST = {0, 60, 240, 241}  # the first of all, one on the ground, two in flight
 
 
 class LosesOnce:
-    """Loses the setpoint of each of some frames the first time that it is sent."""
+    """Loses the setpoint of each of some images the first time that it is sent."""
 
     def __init__(self, numbers: set[int]) -> None:
         self.lost = 0
@@ -49,7 +49,7 @@ def fly_with_losses(log: Path, numbers: set[int]) -> None:
             vehicle.process.wait(10)
     assert loses.lost == len(numbers)
     assert summary.outcome is Outcome.TIMEOUT
-    assert summary.setpoints == summary.frames
+    assert summary.setpoints == summary.images
 
 
 def test_a_lost_setpoint_is_sent_again_and_the_flight_is_the_same(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from tests.unit.flightstack.camera.made_stream import MadeStream, part, picture
 WAIT_S = 10.0
 
 
-def next_frame(camera: Camera) -> Arrival:
+def next_image(camera: Camera) -> Arrival:
     assert select.select([camera], [], [], WAIT_S)[0]
     arrival = camera.take()
     assert arrival is not None
@@ -37,7 +37,7 @@ def video(tmp_path: Path) -> Path:
 def test_reads_a_stamped_stream() -> None:
     with MadeStream(part(picture(1, 2, 3), X_Timestamp="3.5")) as stream:
         camera = open_camera(stream.uri, VehicleClock())
-        assert next_frame(camera).frame.stamp_us == 3_500_000
+        assert next_image(camera).image.stamp_us == 3_500_000
         assert camera.stamped
         camera.close()
 
@@ -46,7 +46,7 @@ def test_opens_a_stream_again_that_ended() -> None:
     with MadeStream(part(picture(1, 2, 3), X_Timestamp="3.5"), ends=True) as stream:
         camera = open_camera(stream.uri, VehicleClock())
         for _ in range(3):
-            next_frame(camera)
+            next_image(camera)
         camera.close()
         assert len(stream.requests) >= 3
 
@@ -55,9 +55,9 @@ def test_plays_a_video_file_in_vehicle_time(video: Path) -> None:
     clock = VehicleClock(lambda: 0.0)
     clock.observe(8_000_000)
     camera = open_camera(str(video), clock)
-    frame = next_frame(camera).frame
-    assert frame.stamp_us == 8_000_000
-    assert frame.rgb[30, 30, 0] > 240
+    image = next_image(camera).image
+    assert image.stamp_us == 8_000_000
+    assert image.rgb[30, 30, 0] > 240
     assert not camera.stamped
     camera.close()
 

@@ -11,28 +11,28 @@ def opened(stream: MadeStream, clock: VehicleClock | None = None) -> MultipartSo
     return MultipartSource(stream.uri, clock or VehicleClock())
 
 
-def test_frames_come_with_stamp_number_and_colours() -> None:
+def test_images_come_with_stamp_number_and_colours() -> None:
     first = part(picture(200, 100, 50), X_Timestamp="12.052000", X_Sequence="241")
     second = part(picture(1, 2, 3), X_Timestamp="12.100000", X_Sequence="242")
     with MadeStream(first + second) as stream:
         source = opened(stream)
-        frames = [source.read().frame for _ in range(2)]
+        images = [source.read().image for _ in range(2)]
         source.close()
-    assert [(frame.stamp_us, frame.sequence) for frame in frames] == [
+    assert [(image.stamp_us, image.sequence) for image in images] == [
         (12_052_000, 241),
         (12_100_000, 242),
     ]
-    assert frames[0].rgb.shape == (64, 64, 3)
-    assert frames[0].rgb[5, 5].tolist() == [200, 100, 50]
+    assert images[0].rgb.shape == (64, 64, 3)
+    assert images[0].rgb[5, 5].tolist() == [200, 100, 50]
     assert source.stamped
     assert stream.requests[0].startswith(b"GET /stream HTTP/1.1\r\n")
 
 
-def test_frames_may_come_in_pieces() -> None:
+def test_images_may_come_in_pieces() -> None:
     whole = part(picture(9, 9, 9), X_Timestamp="1.0")
     with MadeStream(*(whole[at : at + 7] for at in range(0, len(whole), 7))) as stream:
         source = opened(stream)
-        assert source.read().frame.stamp_us == 1_000_000
+        assert source.read().image.stamp_us == 1_000_000
         source.close()
 
 
@@ -41,9 +41,9 @@ def test_a_stream_without_stamps_is_stamped_on_arrival() -> None:
     clock.observe(5_000_000)
     with MadeStream(part(picture(1, 1, 1), suffix=".jpg") * 2) as stream:
         source = opened(stream, clock)
-        frames = [source.read().frame for _ in range(2)]
+        images = [source.read().image for _ in range(2)]
         source.close()
-    assert [(frame.stamp_us, frame.sequence) for frame in frames] == [
+    assert [(image.stamp_us, image.sequence) for image in images] == [
         (5_000_000, 1),
         (5_000_000, 2),
     ]
@@ -54,7 +54,7 @@ def test_a_damaged_image_is_passed_over() -> None:
     damaged = b"--b\r\nContent-Length: 4\r\nX-Timestamp: 1.0\r\n\r\nnope\r\n"
     with MadeStream(damaged + part(picture(1, 1, 1), X_Timestamp="2.0")) as stream:
         source = opened(stream)
-        assert source.read().frame.stamp_us == 2_000_000
+        assert source.read().image.stamp_us == 2_000_000
         source.close()
 
 

@@ -36,13 +36,13 @@ class Mission:
         after_s: float = 0.0,
         *,
         stop: bool = False,
-        frame_age_s: float = 0,
+        image_age_s: float = 0,
     ) -> Phase:
         now_us = NOW + round(after_s * S)
         beat_us = now_us if vehicle.heartbeat_us is None else vehicle.heartbeat_us
         situation = Situation(
             vehicle=replace(vehicle, heartbeat_us=beat_us),
-            frame_us=now_us - round(frame_age_s * S),
+            image_us=now_us - round(image_age_s * S),
             stop_requested=stop,
         )
         self.state, requests = advance(self.state, situation, now_us)

@@ -101,7 +101,7 @@ def test_a_bad_signing_key_is_usage(
     assert not (tmp_path / "a.tlog").exists()
 
 
-def test_frames_that_cannot_be_recorded_are_usage(
+def test_images_that_cannot_be_recorded_are_usage(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "a.frames").write_text("not a folder")

@@ -50,8 +50,8 @@ class Sleeper:
 
         monkeypatch.setattr(loop, "wait_for_any", wait)
 
-    def sleep(self, *, frames_flow: bool) -> None:
-        self.loop._frames_flow = frames_flow
+    def sleep(self, *, images_flow: bool) -> None:
+        self.loop._images_flow = images_flow
         self.loop._sleep()
 
     def _receive(self) -> None:
@@ -67,24 +67,24 @@ def sleeper(monkeypatch: pytest.MonkeyPatch):
     sleeper.camera.close()
 
 
-def test_telemetry_is_taken_in_before_the_frame_that_it_belongs_to(sleeper: Sleeper) -> None:
+def test_telemetry_is_taken_in_before_the_image_that_it_belongs_to(sleeper: Sleeper) -> None:
     sleeper.link.arrive()
     sleeper.camera.arrive()
-    sleeper.sleep(frames_flow=True)
+    sleeper.sleep(images_flow=True)
     assert sleeper.received == 1
     assert sleeper.waits == [(sleeper.link, sleeper.camera), (sleeper.camera,)]
 
 
-def test_telemetry_does_not_end_the_wait_for_a_frame(sleeper: Sleeper) -> None:
+def test_telemetry_does_not_end_the_wait_for_an_image(sleeper: Sleeper) -> None:
     sleeper.link.arrive()
-    sleeper.sleep(frames_flow=True)
+    sleeper.sleep(images_flow=True)
     assert sleeper.received == 1
     assert (sleeper.camera,) in sleeper.waits
-    assert len(sleeper.waits) == 3  # and then for either, as where no frames come
+    assert len(sleeper.waits) == 3  # and then for either, as where no images come
 
 
-def test_without_frames_every_datagram_ends_the_sleep(sleeper: Sleeper) -> None:
+def test_without_images_every_datagram_ends_the_sleep(sleeper: Sleeper) -> None:
     sleeper.link.arrive()
-    sleeper.sleep(frames_flow=False)
+    sleeper.sleep(images_flow=False)
     assert sleeper.received == 0  # that is for the turn that follows
     assert sleeper.waits == [(sleeper.link, sleeper.camera)]

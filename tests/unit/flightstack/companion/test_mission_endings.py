@@ -77,11 +77,11 @@ def test_a_stop_while_arming_leaves_it_disarmed() -> None:
 
 
 @pytest.mark.parametrize("phase", IN_FLIGHT)
-def test_lands_when_no_frames_come(phase: Phase) -> None:
+def test_lands_when_no_images_come(phase: Phase) -> None:
     mission = Mission(phase, confirmed=True)
     vehicle = OFFBOARD if phase is Phase.FLYING else AIRBORNE
-    assert mission.see(vehicle, 0.1, frame_age_s=2.5) is not Phase.LANDING
-    assert mission.see(vehicle, 0.1, frame_age_s=2.6) is Phase.LANDING
+    assert mission.see(vehicle, 0.1, image_age_s=2.5) is not Phase.LANDING
+    assert mission.see(vehicle, 0.1, image_age_s=2.6) is Phase.LANDING
     assert mission.state.outcome is Outcome.CAMERA_LOST
 
 
@@ -95,7 +95,7 @@ def test_lands_when_heartbeats_stop() -> None:
 def test_taken_over_ends_when_the_vehicle_is_disarmed() -> None:
     mission = Mission(Phase.TAKEN_OVER, outcome=Outcome.TAKEN_OVER)
     flown = replace(AIRBORNE, custom_mode=Px4Mode.POSITION)
-    assert mission.see(flown, 500, frame_age_s=9) is Phase.TAKEN_OVER
+    assert mission.see(flown, 500, image_age_s=9) is Phase.TAKEN_OVER
     assert mission.see(READY, 501) is Phase.DONE
     assert (mission.requests, mission.state.outcome) == ([], Outcome.TAKEN_OVER)
 
@@ -168,7 +168,7 @@ def test_what_ended_the_flight_first_stays_the_reason() -> None:
 
 def test_done_stays_done() -> None:
     mission = Mission(Phase.DONE, outcome=Outcome.COMPLETED)
-    assert mission.see(OFFBOARD, 999, stop=True, frame_age_s=99) is Phase.DONE
+    assert mission.see(OFFBOARD, 999, stop=True, image_age_s=99) is Phase.DONE
     assert mission.requests == []
 
 

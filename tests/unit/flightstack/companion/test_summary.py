@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 from flightstack.companion.mission_state import Outcome
-from flightstack.companion.summary import SENTENCES, Summary
+from flightstack.companion.summary import SENTENCES, FlightSummary
 
 
-def summary(**changes: Any) -> Summary:
+def summary(**changes: Any) -> FlightSummary:
     fields = {
         "outcome": Outcome.COMPLETED,
         "gates_passed": 8,
@@ -19,10 +19,10 @@ def summary(**changes: Any) -> Summary:
         "log": Path("logs/a.tlog"),
         "real_time_factor": 11.234,
         "latencies_s": tuple(k / 10000 for k in range(101)),
-        "frames": 600,
+        "images": 600,
         "setpoints": 600,
     }
-    return Summary(**(fields | changes))
+    return FlightSummary(**(fields | changes))
 
 
 def test_json_is_one_line_with_every_field() -> None:
@@ -43,7 +43,7 @@ def test_json_is_one_line_with_every_field() -> None:
     }
 
 
-def test_a_flight_without_frames_has_no_latency() -> None:
+def test_a_flight_without_images_has_no_latency() -> None:
     fields = json.loads(summary(latencies_s=()).to_json(model="m", strategy="s"))
     assert fields["latency_ms"] == {"p50": None, "p99": None}
     assert "frame to setpoint" not in summary(latencies_s=()).to_text()

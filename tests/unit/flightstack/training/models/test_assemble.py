@@ -11,7 +11,7 @@ from flightstack import models
 from flightstack.companion.pipeline import load_pipeline
 from flightstack.errors import UsageError
 from flightstack.perception.dronet import Dronet
-from flightstack.records import Frame
+from flightstack.records import Image
 from flightstack.training.commands import everything
 from flightstack.training.data.data import generate_control
 from flightstack.training.data.dataset import Dataset, read_dataset
@@ -71,9 +71,9 @@ def test_written_model_flies_on_the_trained_weights(
         )
     pipeline = load_pipeline(str(folder))
     at = control_data.splits["validation"][:40]
-    images = control_data.images[at]
-    frames = [Frame(stamp_us=k, sequence=k, rgb=rgb) for k, rgb in enumerate(images)]
-    commands = np.array([pipeline.decide(frame).command for frame in frames])
+    pixels = control_data.images[at]
+    images = [Image(stamp_us=k, sequence=k, rgb=rgb) for k, rgb in enumerate(pixels)]
+    commands = np.array([pipeline.decide(image).command for image in images])
     error = np.abs(commands - control_data.labels[at]).mean(axis=0)
     constant = np.abs(control_data.labels[at] - control_data.labels[at].mean(axis=0)).mean(axis=0)
     assert (error < 0.7 * constant).all()
@@ -96,8 +96,8 @@ def test_recalibration_keeps_the_weights_and_flies(folder: Path, control_data: D
     assert all(0 <= member < 5 for member in after.policy.best_member)
     assert after.policy.variance_factor == pytest.approx(before.policy.variance_factor, rel=0.5)
     assert "redicted variances are" in (folder / "README.md").read_text()
-    frame = Frame(stamp_us=0, sequence=0, rgb=control_data.images[:1][0])
-    decision = load_pipeline(str(folder), "best/mean/same").decide(frame)
+    image = Image(stamp_us=0, sequence=0, rgb=control_data.images[:1][0])
+    decision = load_pipeline(str(folder), "best/mean/same").decide(image)
     assert tuple(decision.member) == after.policy.best_member
 
 
@@ -220,8 +220,8 @@ def test_a_deterministic_policy_gets_the_variance_that_it_leaves_unexplained(
     measured = json.loads((folder / "metrics.json").read_text())["policy"]
     assert max(measured["coverage_before"]) < 0.85
     assert measured["coverage"] == pytest.approx([0.9] * 4, abs=0.02)
-    frame = Frame(stamp_us=0, sequence=0, rgb=control_data.images[:1][0])
-    decision = load_pipeline(str(folder)).decide(frame)
+    image = Image(stamp_us=0, sequence=0, rgb=control_data.images[:1][0])
+    decision = load_pipeline(str(folder)).decide(image)
     assert decision.aleatoric_std == pytest.approx(measured["aleatoric_std"], rel=1e-4)
 
 

@@ -9,7 +9,7 @@ LIVE_S = 0.2  # wall time between two versions of the live line
 ERASE_LINE = "\r\x1b[K"
 
 
-class Progress:
+class Console:
     """Lines on standard error, so that standard output holds the result alone."""
 
     def __init__(

@@ -21,7 +21,7 @@ COURSE_ITEMS = (
 )
 
 
-class Vehicle:
+class VehicleSession:
     """The vehicle as the companion sees and addresses it; for one thread."""
 
     def __init__(
@@ -94,7 +94,7 @@ class Vehicle:
         self._uncertainty.publish(decision, stamp_us)
 
     def steer(self, velocities: Velocities, stamp_us: int) -> None:
-        """Send the setpoint that answers the frame of this stamp."""
+        """Send the setpoint that answers the image of this stamp."""
         self._setpoint = velocity_setpoint(self.link.system_id, stamp_us, velocities)
         self.link.send(*self._explanation, self._setpoint)
         self._explanation.clear()

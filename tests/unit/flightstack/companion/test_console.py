@@ -2,7 +2,7 @@
 
 from io import StringIO
 
-from flightstack.companion.progress import ERASE_LINE, Progress
+from flightstack.companion.console import ERASE_LINE, Console
 from tests.unit.flightstack.mavlink.made_link import Wall
 
 
@@ -13,10 +13,10 @@ class Terminal(StringIO):
 
 def told(verbosity: int) -> str:
     stream = StringIO()
-    progress = Progress(verbosity=verbosity, stream=stream)
-    progress.event("event")
-    progress.detail("detail")
-    progress.warning("wrong")
+    console = Console(verbosity=verbosity, stream=stream)
+    console.event("event")
+    console.detail("detail")
+    console.warning("wrong")
     return stream.getvalue()
 
 
@@ -27,26 +27,26 @@ def test_verbosity_chooses_what_is_told() -> None:
 
 
 def test_a_file_gets_no_live_line() -> None:
-    assert not Progress(stream=StringIO()).wants_live
+    assert not Console(stream=StringIO()).wants_live
 
 
 def test_the_live_line_is_renewed_five_times_a_second() -> None:
     wall = Wall()
-    progress = Progress(stream=Terminal(), wall_s=wall)
-    progress.live("1.5 m/s")
+    console = Console(stream=Terminal(), wall_s=wall)
+    console.live("1.5 m/s")
     wall.now_s += 0.19
-    assert not progress.wants_live
+    assert not console.wants_live
     wall.now_s += 0.02
-    assert progress.wants_live
+    assert console.wants_live
 
 
 def test_events_stand_above_the_live_line() -> None:
     terminal = Terminal()
-    progress = Progress(stream=terminal, wall_s=Wall())
-    assert progress.wants_live
-    progress.live("1.5 m/s")
-    assert not progress.wants_live
-    progress.event("gate 1")
-    progress.close()
+    console = Console(stream=terminal, wall_s=Wall())
+    assert console.wants_live
+    console.live("1.5 m/s")
+    assert not console.wants_live
+    console.event("gate 1")
+    console.close()
     written = f"{ERASE_LINE}1.5 m/s{ERASE_LINE}gate 1\n1.5 m/s{ERASE_LINE}"
     assert terminal.getvalue() == written
