@@ -16,7 +16,7 @@ from flightstack.companion.discovery import (
     wait_for_vehicle,
 )
 from flightstack.companion.loop import FlightLoop, Pilot
-from flightstack.companion.mission_state import MissionState, Outcome
+from flightstack.companion.mission.records import MissionStatus, Outcome
 from flightstack.companion.reporter import Reporter
 from flightstack.companion.signals import landing_first
 from flightstack.companion.summary import FlightSummary
@@ -82,8 +82,8 @@ def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], console: Console) -> 
         return _run(loop, vehicle, plan)
 
 
-def _mission(plan: FlightPlan) -> MissionState:
-    return MissionState(
+def _mission(plan: FlightPlan) -> MissionStatus:
+    return MissionStatus(
         duration_us=None if plan.duration_s is None else round(plan.duration_s * 1e6),
         gate_timeout_us=None if plan.gate_timeout_s is None else round(plan.gate_timeout_s * 1e6),
         lands=plan.lands,
@@ -123,14 +123,14 @@ def _run(loop: FlightLoop, vehicle: VehicleSession, plan: FlightPlan) -> FlightS
     except KeyboardInterrupt:
         interrupted = True
     wall_s = clock.wall_s() - began_s
-    state, course = loop.state, vehicle.telemetry.course
-    ended_us = clock.stamp_us if state.ended_us is None else state.ended_us
-    outcome = Outcome.INTERRUPTED if interrupted else state.outcome or Outcome.INTERRUPTED
+    status, course = loop.status, vehicle.telemetry.course
+    ended_us = clock.stamp_us if status.ended_us is None else status.ended_us
+    outcome = Outcome.INTERRUPTED if interrupted else status.outcome or Outcome.INTERRUPTED
     return FlightSummary(
         outcome=outcome,
         gates_passed=course.gates_passed,
         gates_total=course.gates_total,
-        duration_s=0.0 if state.offboard_us is None else (ended_us - state.offboard_us) / 1e6,
+        duration_s=0.0 if status.offboard_us is None else (ended_us - status.offboard_us) / 1e6,
         log=plan.log,
         real_time_factor=(clock.stamp_us - began_us) / 1e6 / wall_s,
         latencies_s=tuple(loop.latencies_s),

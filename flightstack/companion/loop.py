@@ -14,25 +14,25 @@ from typing import Protocol
 import numpy as np
 
 from flightstack.camera.mailbox import Arrival
-from flightstack.companion.mission import advance
-from flightstack.companion.mission_state import MissionState, Outcome, Phase, Situation
+from flightstack.companion.mission.hold import hold_for_camera
+from flightstack.companion.mission.machine import advance
+from flightstack.companion.mission.records import Hold, MissionPhase, MissionStatus, Situation
+from flightstack.companion.mission.table import OURS
 from flightstack.companion.reporter import Reporter, announcement
 from flightstack.companion.signals import StopSwitch
 from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.companion.waiting import wait_for_any
-from flightstack.mavlink.offboard import HOLD, Velocities
+from flightstack.mavlink.offboard import STILL, Velocities
 from flightstack.records import Decision, Image
 
 IDLE_S = 0.1  # wall time: how long the loop sleeps at most
 IMAGE_SOON_S = 0.03  # wall time: telemetry waits so long for the image that it belongs to
 TRIGGER_WAIT_S = 0.05  # wall time: for the announcement of an image that has come
 LINK_LOST_S = 3.0  # wall time
-IMAGE_LATE_US = 500_000  # vehicle time: the vehicle is then held
 TICK_US = 50_000  # vehicle time: the pace without images
 REPEAT_S = 1.0  # wall time without an image, while vehicle time stands
 IMAGES_LOST_S = 10.0  # wall time: a camera is lost even where no telemetry tells the time
-STEERED = (Phase.ENTERING_OFFBOARD, Phase.FLYING)
-NOT_OURS = (Phase.WAITING, Phase.TAKEN_OVER, Phase.DONE)
+STEERED = (MissionPhase.ENTERING_OFFBOARD, MissionPhase.FLYING)
 
 
 class Pilot(Protocol):
@@ -73,12 +73,13 @@ class FlightLoop:
         pilot: Pilot,
         reporter: Reporter,
         *,
-        mission: MissionState | None = None,
+        mission: MissionStatus | None = None,
         speed_scale: float = 1.0,
         recorder: Recorder | None = None,
     ) -> None:
-        self.state = MissionState() if mission is None else mission
+        self.status = MissionStatus() if mission is None else mission
         self.stop = StopSwitch()
+        self.hold: Hold | None = None  # raised by anybody but the camera, until taken back
         self.images = 0
         self.latencies_s: list[float] = []
         self._vehicle = vehicle
@@ -97,17 +98,18 @@ class FlightLoop:
     def run(self) -> None:
         """Fly until the mission is done or the vehicle is lost; land on any other way out."""
         try:
-            while self.state.phase is not Phase.DONE:
+            while self.status.phase is not MissionPhase.DONE:
                 self._turn()
         finally:
-            if self.state.phase not in NOT_OURS:
+            if self.status.phase in OURS:
                 self._vehicle.abandon()
 
     def _turn(self) -> None:
         self._sleep()
         self._vehicle.receive()
         if self._vehicle.link.silence_s > LINK_LOST_S:
-            self._lose_link()
+            self._advance(self._clock.stamp_us, vehicle_silent=True)
+            self._reporter.report(self.status, self._vehicle)
             return
         arrival = self._camera.take()
         self._images_flow = arrival is not None
@@ -116,7 +118,7 @@ class FlightLoop:
         else:
             self._watch()
         self._vehicle.link.tlog.flush_if_due()
-        self._reporter.report(self.state, self._vehicle)
+        self._reporter.report(self.status, self._vehicle)
 
     def _sleep(self) -> None:
         """Wait for the next image; while images flow, telemetry that comes before it wakes once."""
@@ -133,12 +135,13 @@ class FlightLoop:
             self._clock.observe(image.stamp_us)
         self._image_us, self._image_s = image.stamp_us, self._clock.wall_s()
         self.images += 1
-        self._advance(image.stamp_us)
-        velocities = self._decide(image) if self.state.phase is Phase.FLYING else HOLD
+        self._tick(image.stamp_us)
+        flies = self.status.phase is MissionPhase.FLYING and self.status.hold is None
+        velocities = self._decide(image) if flies else STILL
         self._vehicle.keep_up(image.stamp_us)
         self._vehicle.steer(velocities, image.stamp_us)
         self._steered_s = self._clock.wall_s()
-        if self.state.phase is Phase.FLYING:
+        if flies:
             self.latencies_s.append(self._clock.wall_s() - arrival.received_s)
         if self._recorder is not None:  # last of all: nothing waits for it now
             self._recorder.record(image)
@@ -157,7 +160,7 @@ class FlightLoop:
         decision = self._pilot.decide(image)
         if not _is_finite(decision):
             self._reporter.warn_once("a decision was not finite: the vehicle is held")
-            return HOLD
+            return STILL
         decision = replace(decision, command=decision.command * self._speed_scale)
         self._vehicle.explain(decision, image.stamp_us)
         self._reporter.note_decision(decision)
@@ -169,12 +172,12 @@ class FlightLoop:
         self._vehicle.keep_up(self._ticked_us)
         self._repeat_setpoint()
         now_us = self._silent_us()
-        if now_us - self._image_us < IMAGE_LATE_US or now_us - self._ticked_us < TICK_US:
+        if hold_for_camera(self._image_us, now_us) is None or now_us - self._ticked_us < TICK_US:
             return
-        self._advance(now_us)
+        self._tick(now_us)
         self._vehicle.keep_up(now_us)
-        if self.state.phase in STEERED:
-            self._vehicle.steer(HOLD, now_us)
+        if self.status.phase in STEERED and self.status.hold is not None:
+            self._vehicle.steer(STILL, now_us)
 
     def _repeat_setpoint(self) -> None:
         """Answer the image once more if a vehicle that is alive stands still: the answer got lost.
@@ -195,29 +198,26 @@ class FlightLoop:
             return self._clock.stamp_us
         return max(self._clock.stamp_us, self._image_us + round(without_s * 1e6))
 
-    def _advance(self, now_us: int) -> None:
+    def _tick(self, now_us: int) -> None:
+        """Let the mission move on, and tell who watches the vehicle when it has."""
         self._ticked_us = now_us
-        phase = self.state.phase
+        phase = self.status.phase
+        self._advance(now_us)
+        self._vehicle.download_course(now_us)
+        if self.status.phase is not phase:
+            self._vehicle.announce(announcement(self.status))
+
+    def _advance(self, now_us: int, *, vehicle_silent: bool = False) -> None:
         situation = Situation(
             vehicle=self._vehicle.telemetry,
             image_us=self._image_us,
+            hold=self.hold,
             stop_requested=self.stop.requested,
+            vehicle_silent=vehicle_silent,
         )
-        self.state, requests = advance(self.state, situation, now_us)
+        self.status, requests = advance(self.status, situation, now_us)
         for request in requests:
             self._vehicle.request(request, now_us)
-        self._vehicle.download_course(now_us)
-        if self.state.phase is not phase:
-            self._vehicle.announce(announcement(self.state))
-
-    def _lose_link(self) -> None:
-        ended_us = self.state.ended_us or self._clock.stamp_us
-        if self.state.phase not in NOT_OURS:
-            self._vehicle.abandon()
-        self.state = replace(
-            self.state, phase=Phase.DONE, outcome=Outcome.LINK_LOST, ended_us=ended_us
-        )
-        self._reporter.report(self.state, self._vehicle)
 
 
 def _is_finite(decision: Decision) -> bool:

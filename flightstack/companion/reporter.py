@@ -6,7 +6,7 @@ from typing import Protocol
 from pymavlink.dialects.v20 import common
 
 from flightstack.companion.console import Console
-from flightstack.companion.mission_state import MissionState, Phase
+from flightstack.companion.mission.records import MissionPhase, MissionStatus
 from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.mavlink.commands import CommandRefusal, command_name
 from flightstack.mavlink.telemetry import Telemetry
@@ -31,7 +31,7 @@ class Reporter:
     def __init__(self, console: Console) -> None:
         self._console = console
         self._keepers: list[Keeper] = []
-        self._phase: Phase | None = None
+        self._phase: MissionPhase | None = None
         self._gates_passed = 0
         self._decision: Decision | None = None
         self._warned: set[str] = set()
@@ -56,7 +56,7 @@ class Reporter:
             if keeper.failure is not None:
                 self.warn_once(keeper.failure)
 
-    def report(self, state: MissionState, vehicle: VehicleSession) -> None:
+    def report(self, status: MissionStatus, vehicle: VehicleSession) -> None:
         """Tell what is new."""
         telemetry = vehicle.telemetry
         for text in vehicle.drain_texts():
@@ -72,16 +72,16 @@ class Reporter:
             self.warn_once(f"messages are refused: {verdict.value}")
         if telemetry.course.gates_passed > self._gates_passed:
             self._gates_passed = telemetry.course.gates_passed
-            self._console.event(self._flight_line(state, vehicle))
-        if state.phase is not self._phase:
-            self._phase = state.phase
-            self._console.event(_phase_line(state, telemetry))
-        if state.phase is Phase.FLYING and self._console.wants_live:
-            self._console.live(self._flight_line(state, vehicle))
+            self._console.event(self._flight_line(status, vehicle))
+        if status.phase is not self._phase:
+            self._phase = status.phase
+            self._console.event(_phase_line(status, telemetry))
+        if status.phase is MissionPhase.FLYING and self._console.wants_live:
+            self._console.live(self._flight_line(status, vehicle))
 
-    def _flight_line(self, state: MissionState, vehicle: VehicleSession) -> str:
+    def _flight_line(self, status: MissionStatus, vehicle: VehicleSession) -> str:
         telemetry = vehicle.telemetry
-        since_us = state.offboard_us
+        since_us = status.offboard_us
         flown_s = 0.0 if since_us is None else (vehicle.link.clock.stamp_us - since_us) / 1e6
         parts = [f"{flown_s:7.2f} s"]
         if telemetry.course.known:
@@ -93,10 +93,10 @@ class Reporter:
         return "   ".join(parts)
 
 
-def announcement(state: MissionState) -> str:
+def announcement(status: MissionStatus) -> str:
     """Say in one STATUSTEXT where the mission stands."""
-    reason = "" if state.outcome is None else f", {state.outcome.value}"
-    return f"Companion: {state.phase.name.lower()}{reason}".replace("_", " ")
+    reason = "" if status.outcome is None else f", {status.outcome.value}"
+    return f"Companion: {status.phase.name.lower()}{reason}".replace("_", " ")
 
 
 def _is_question(refusal: CommandRefusal) -> bool:
@@ -104,8 +104,8 @@ def _is_question(refusal: CommandRefusal) -> bool:
     return bool(refusal.command.number == common.MAV_CMD_REQUEST_MESSAGE)
 
 
-def _phase_line(state: MissionState, telemetry: Telemetry) -> str:
-    if state.phase is Phase.TAKEN_OVER:
+def _phase_line(status: MissionStatus, telemetry: Telemetry) -> str:
+    if status.phase is MissionPhase.TAKEN_OVER:
         return f"taken over: the vehicle is in {spoken_name(telemetry.custom_mode)}, hands off"
-    reason = f" ({state.outcome.value.replace('_', ' ')})" if state.outcome else ""
-    return f"{state.phase.value}{reason}"
+    reason = f" ({status.outcome.value.replace('_', ' ')})" if status.outcome else ""
+    return f"{status.phase.value}{reason}"

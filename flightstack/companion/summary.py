@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flightstack.companion.mission_state import Outcome
+from flightstack.companion.mission.records import Outcome
 
 EXIT_CODES = {
     Outcome.COMPLETED: 0,

@@ -2,7 +2,7 @@
 
 from pymavlink.dialects.v20 import common
 
-from flightstack.companion.mission_state import Request
+from flightstack.companion.mission.records import MissionRequest
 from flightstack.mavlink import commands
 from flightstack.mavlink.commands import CommandLong, CommandRefusal, CommandSender
 from flightstack.mavlink.course_download import CourseDownload
@@ -71,13 +71,13 @@ class VehicleSession:
         refusals, self._refusals = self._refusals, []
         return refusals
 
-    def request(self, request: Request, now_us: int) -> None:
+    def request(self, request: MissionRequest, now_us: int) -> None:
         """Send the command that a request of the mission stands for."""
         self._commands.request(self._command(request), now_us)
 
     def abandon(self) -> None:
         """Ask for a landing with our last word; no answer is awaited."""
-        self.request(Request.LAND, self.link.clock.stamp_us)
+        self.request(MissionRequest.LAND, self.link.clock.stamp_us)
 
     def keep_up(self, now_us: int) -> None:
         """Send what is due: our heartbeat, and commands that were not acknowledged."""
@@ -110,18 +110,18 @@ class VehicleSession:
         line = text.encode()[:TEXT_BYTES]
         self.link.send(common.MAVLink_statustext_message(common.MAV_SEVERITY_INFO, line))
 
-    def _command(self, request: Request) -> CommandLong:
-        if request is Request.TAKE_OFF:
+    def _command(self, request: MissionRequest) -> CommandLong:
+        if request is MissionRequest.TAKE_OFF:
             home_amsl_m = self.telemetry.home_altitude_amsl_m or 0.0  # known before arming
             return commands.take_off(home_amsl_m + self._takeoff_altitude_m)
         return COMMANDS[request]
 
 
 COMMANDS = {
-    Request.HOME_POSITION: commands.request_message(common.MAVLINK_MSG_ID_HOME_POSITION),
-    Request.ARM: commands.arm(),
-    Request.DISARM: commands.disarm(),
-    Request.LAND: commands.land(),
-    Request.HOLD_MODE: commands.set_mode(Px4Mode.LOITER),
-    Request.OFFBOARD_MODE: commands.set_mode(Px4Mode.OFFBOARD),
+    MissionRequest.HOME_POSITION: commands.request_message(common.MAVLINK_MSG_ID_HOME_POSITION),
+    MissionRequest.ARM: commands.arm(),
+    MissionRequest.DISARM: commands.disarm(),
+    MissionRequest.LAND: commands.land(),
+    MissionRequest.HOLD_MODE: commands.set_mode(Px4Mode.LOITER),
+    MissionRequest.OFFBOARD_MODE: commands.set_mode(Px4Mode.OFFBOARD),
 }

@@ -11,7 +11,7 @@ VELOCITY_AND_YAW_RATE = 0x5C7  # type_mask: ignores position, acceleration and y
 TIME_WRAP_MS = 1 << 32
 
 Velocities = tuple[float, float, float, float]  # vx, vy, vz m/s; yaw rate rad/s, clockwise
-HOLD: Velocities = (0.0, 0.0, 0.0, 0.0)
+STILL: Velocities = (0.0, 0.0, 0.0, 0.0)
 
 
 def velocity_setpoint(system_id: int, stamp_us: int, velocities: Velocities) -> Message:

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from flightstack.companion.mission_state import Outcome
+from flightstack.companion.mission.records import Outcome
 from tests.unit.flightstack.small_disk import small_disk
 from tests.wire.companion.companion_trial import Trial, read_tlog
 from tests.wire.fake_vehicle import Script

@@ -13,7 +13,7 @@ from pymavlink import mavutil
 
 from flightstack.companion.console import Console
 from flightstack.companion.flight import FlightPlan, fly
-from flightstack.companion.mission_state import Outcome
+from flightstack.companion.mission.records import Outcome
 from flightstack.companion.summary import FlightSummary
 from flightstack.logs import read
 from flightstack.logs.flight.course import find_gates

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from pymavlink.dialects.v20 import common
 
-from flightstack.companion.mission_state import Outcome
+from flightstack.companion.mission.records import Outcome
 from scripts.fly_course import API_PORT, free_instance
 from tests.wire.companion.companion_trial import ForwardPilot, Trial, read_tlog
 from tests.wire.companion.test_companion_with_vehicle import Vehicle, positions

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common
 
-from flightstack.companion.mission_state import Outcome
+from flightstack.companion.mission.records import Outcome
 from flightstack.errors import LinkError
 from flightstack.mavlink.packets import is_signed
 from scripts.fly_course import API_PORT, free_instance

@@ -1,6 +1,7 @@
 """What wakes the companion's loop: sockets stand in for the link and for the camera."""
 
 import socket
+from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,6 +10,7 @@ import pytest
 from flightstack.clock import VehicleClock
 from flightstack.companion import loop
 from flightstack.companion.loop import FlightLoop
+from flightstack.companion.waiting import wait_for_any
 
 
 class Source:
@@ -42,11 +44,10 @@ class Sleeper:
         vehicle: Any = SimpleNamespace(link=self.link, receive=self._receive)
         nobody: Any = None
         self.loop = FlightLoop(vehicle, self.camera, nobody, nobody)  # type: ignore[arg-type]
-        real_wait = loop.wait_for_any
 
         def wait(_: float, *sources: Source) -> bool:
             self.waits.append(sources)
-            return real_wait(0.0, *sources)
+            return wait_for_any(0.0, *sources)
 
         monkeypatch.setattr(loop, "wait_for_any", wait)
 
@@ -60,7 +61,7 @@ class Sleeper:
 
 
 @pytest.fixture
-def sleeper(monkeypatch: pytest.MonkeyPatch):
+def sleeper(monkeypatch: pytest.MonkeyPatch) -> Iterator[Sleeper]:
     sleeper = Sleeper(monkeypatch)
     yield sleeper
     sleeper.link.close()

@@ -6,12 +6,12 @@ from typing import Any
 
 import pytest
 
-from flightstack.companion.mission_state import Outcome
+from flightstack.companion.mission.records import Outcome
 from flightstack.companion.summary import SENTENCES, FlightSummary
 
 
 def summary(**changes: Any) -> FlightSummary:
-    fields = {
+    fields: dict[str, Any] = {
         "outcome": Outcome.COMPLETED,
         "gates_passed": 8,
         "gates_total": 8,

@@ -28,8 +28,11 @@ class MemoryTransport:
         waiting, self.waiting = self.waiting, []
         return waiting
 
-    def send(self, packet: bytes, address: Address | None) -> bool:
-        self.sent.append((packet, address))
+    def forget_backlog(self) -> None:
+        self.waiting.clear()
+
+    def send(self, packets: bytes, address: Address | None) -> bool:
+        self.sent.append((packets, address))
         return True
 
     def close(self) -> None:

@@ -3,8 +3,14 @@
 from dataclasses import replace
 from typing import Any
 
-from flightstack.companion.mission import advance
-from flightstack.companion.mission_state import MissionState, Phase, Request, Situation
+from flightstack.companion.mission.machine import advance
+from flightstack.companion.mission.records import (
+    Hold,
+    MissionPhase,
+    MissionRequest,
+    MissionStatus,
+    Situation,
+)
 from flightstack.mavlink.telemetry import Course, LandedState, Telemetry
 from flightstack.px4_modes import Px4Mode
 
@@ -19,16 +25,17 @@ READY = Telemetry(
 )
 AIRBORNE = replace(READY, armed=True, armable=False, landed=LandedState.IN_AIR)
 OFFBOARD = replace(AIRBORNE, custom_mode=Px4Mode.OFFBOARD)
+IN_FLIGHT = [MissionPhase.TAKING_OFF, MissionPhase.ENTERING_OFFBOARD, MissionPhase.FLYING]
 COURSE = Course(gates_passed=2, gates_total=8)
 
 
 class Mission:
     """A mission in some phase since NOW, and what it has asked for."""
 
-    def __init__(self, phase: Phase = Phase.WAITING, **state: Any) -> None:
-        entered = {"entered_us": NOW, "offboard_us": NOW if phase is Phase.FLYING else None}
-        self.state = MissionState(phase=phase, **(entered | state))
-        self.requests: list[Request] = []
+    def __init__(self, phase: MissionPhase = MissionPhase.WAITING, **status: Any) -> None:
+        entered = {"entered_us": NOW, "offboard_us": NOW if phase is MissionPhase.FLYING else None}
+        self.status = MissionStatus(phase=phase, **(entered | status))
+        self.requests: list[MissionRequest] = []
 
     def see(
         self,
@@ -37,14 +44,18 @@ class Mission:
         *,
         stop: bool = False,
         image_age_s: float = 0,
-    ) -> Phase:
+        hold: Hold | None = None,
+        silent: bool = False,
+    ) -> MissionPhase:
         now_us = NOW + round(after_s * S)
         beat_us = now_us if vehicle.heartbeat_us is None else vehicle.heartbeat_us
         situation = Situation(
             vehicle=replace(vehicle, heartbeat_us=beat_us),
             image_us=now_us - round(image_age_s * S),
+            hold=hold,
             stop_requested=stop,
+            vehicle_silent=silent,
         )
-        self.state, requests = advance(self.state, situation, now_us)
+        self.status, requests = advance(self.status, situation, now_us)
         self.requests += requests
-        return self.state.phase
+        return self.status.phase

@@ -6,7 +6,7 @@ from enum import Enum
 from flightstack.mavlink.telemetry import Telemetry
 
 
-class Phase(Enum):
+class MissionPhase(Enum):
     """Where the mission stands."""
 
     WAITING = "waiting until the vehicle can be armed"
@@ -34,7 +34,7 @@ class Outcome(Enum):
     LINK_LOST = "link_lost"
 
 
-class Request(Enum):
+class MissionRequest(Enum):
     """What the mission wants of the vehicle."""
 
     HOME_POSITION = "home position"
@@ -47,26 +47,43 @@ class Request(Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Hold:
+    """The vehicle stands still in the air, and is landed if that lasts; times are vehicle time."""
+
+    reason: Outcome  # why it holds, and what the flight ends by if it lasts
+    since_us: int
+    lands_after_us: int
+
+    @property
+    def lands_us(self) -> int:
+        """When it lands."""
+        return self.since_us + self.lands_after_us
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Situation:
     """What the mission knows of the world at one moment; times are vehicle time."""
 
     vehicle: Telemetry
     image_us: int  # stamp of the newest camera image
+    hold: Hold | None = None  # raised by anybody but the camera
     stop_requested: bool = False
+    vehicle_silent: bool = False  # for so long that it is lost
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MissionState:
+class MissionStatus:
     """Where the mission stands, and since when (vehicle time)."""
 
     duration_us: int | None = None  # to fly in OFFBOARD at most
     gate_timeout_us: int | None = None  # to fly without passing a gate at most
     lands: bool = True  # at the end; False in a simulation that ends with the flight
-    phase: Phase = Phase.WAITING
+    phase: MissionPhase = MissionPhase.WAITING
     entered_us: int | None = None
     requested_us: int | None = None  # the last request of this phase
     confirmed: bool = False  # the mode that this phase asked for has been seen
     slow_us: int | None = None  # since when it hovers after the climb
+    hold: Hold | None = None  # while it lasts, the vehicle is sent a velocity of zero
     offboard_us: int | None = None  # when FLYING began
     gates_passed: int = 0  # while FLYING
     gate_us: int | None = None  # when the last of them was seen

@@ -1,0 +1,1 @@
+"""What the companion does next: a state machine without socket, thread or clock."""
