@@ -16,7 +16,7 @@ from flightstack.errors import LinkError
 from flightstack.mavlink.commands import CommandSender, request_message
 from flightstack.mavlink_numbers import CAMERA_COMPONENT
 
-ASK_S = 0.5
+REQUEST_PERIOD_S = 0.5
 IDLE_S = 0.1
 
 
@@ -36,13 +36,13 @@ def wait_for_vehicle(vehicle: VehicleSession, timeout_s: float, *, name: str) ->
 
 def find_camera(vehicle: VehicleSession, timeout_s: float) -> str:
     """Return the URI of the vehicle's video stream; raises LinkError after `timeout_s`."""
-    ask = request_message(common.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION, CAMERA_COMPONENT)
+    request = request_message(common.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION, CAMERA_COMPONENT)
     commands = CommandSender(vehicle.link)
     wall_s = vehicle.link.clock.wall_s
     deadline_s = wall_s() + timeout_s
     while wall_s() < deadline_s:
-        commands.request(ask, 0)
-        if _receive_until(vehicle, lambda: vehicle.stream_uri is not None, ASK_S):
+        commands.request(request, 0)
+        if _receive_until(vehicle, lambda: vehicle.stream_uri is not None, REQUEST_PERIOD_S):
             return str(vehicle.stream_uri)
     raise LinkError(
         f"the vehicle named no camera stream for {timeout_s:g} s; name one by --camera URI"
@@ -59,7 +59,7 @@ def wait_for_camera(vehicle: VehicleSession, uri: str, timeout_s: float) -> Came
         except LinkError:
             if clock.wall_s() >= deadline_s:
                 raise
-        _receive_until(vehicle, lambda: False, ASK_S)
+        _receive_until(vehicle, lambda: False, REQUEST_PERIOD_S)
 
 
 def wait_for_image(

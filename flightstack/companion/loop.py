@@ -171,7 +171,7 @@ class FlightLoop:
         """Keep the mission going while no image comes."""
         self._vehicle.keep_up(self._ticked_us)
         self._repeat_setpoint()
-        now_us = self._silent_us()
+        now_us = self._time_without_images_us()
         if hold_for_camera(self._image_us, now_us) is None or now_us - self._ticked_us < TICK_US:
             return
         self._tick(now_us)
@@ -191,7 +191,7 @@ class FlightLoop:
             self._steered_s = now_s
             self._vehicle.repeat_setpoint()
 
-    def _silent_us(self) -> int:
+    def _time_without_images_us(self) -> int:
         """Vehicle time as telemetry tells it, or the wall where that has stood still for long."""
         without_s = self._clock.wall_s() - self._image_s
         if without_s < IMAGES_LOST_S:
