@@ -60,6 +60,7 @@ class UdpTransport:
 
     def __init__(self, endpoint: Endpoint) -> None:
         self.closed = False
+        self._peer: Address | None = None  # who was named
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             self._open(endpoint)
@@ -70,9 +71,7 @@ class UdpTransport:
         self._socket.settimeout(0.0)
 
     def _open(self, endpoint: Endpoint) -> None:
-        listens = endpoint.kind is Kind.UDP_LISTEN
-        self._peer: Address | None = None
-        if listens:
+        if endpoint.kind is Kind.UDP_LISTEN:
             self._socket.bind((endpoint.host, endpoint.port))
         else:
             self._peer = (socket.gethostbyname(endpoint.host), endpoint.port)

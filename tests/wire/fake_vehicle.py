@@ -14,21 +14,21 @@ from pymavlink.dialects.v20 import common
 
 from flightstack.px4_modes import Px4Mode
 
-FRAME_US = 50_000
+IMAGE_US = 50_000
 HOME_AMSL_M = 489.4
 GATE_US = 500_000  # a gate is passed this often while flying forward
 GATE_SPACING_M = 1.0
 CLIMB_US = 1_000_000
 DESCENT_US = 1_000_000
 ANSWER_S = 5.0
-FREE_RUN_S = 0.002  # wall time a frame when nobody answers
+FREE_RUN_S = 0.002  # wall time an image when nobody answers
 SIGNING_EPOCH_S = 1_420_070_400  # 2015
-FIVEFOLD_S = FRAME_US / 5e6
+FIVEFOLD_S = IMAGE_US / 5e6
 
 
 @dataclass(kw_only=True)
 class Script:
-    """What goes wrong, and when (frames in OFFBOARD)."""
+    """What goes wrong, and when (images in OFFBOARD)."""
 
     gates: int | None = 3  # None: no referee
     lists_gates: bool = True
@@ -36,7 +36,7 @@ class Script:
     ignored_commands: set[int] = field(default_factory=set)  # the first of each kind gets lost
     missed_gate: bool = False
     leave_offboard_after: int | None = None
-    frames_stop_after: int | None = None
+    images_stop_after: int | None = None
     silent_after: int | None = None
     stream_breaks_after: int | None = None
     has_camera: bool = True  # without one, time runs free at five times real time
@@ -52,7 +52,7 @@ class FakeVehicle:
         self.script = script or Script()
         self.received: list[Any] = []
         self.time_us = 0
-        self.offboard_frames = 0
+        self.offboard_images = 0
         self.armed = False
         self.mode = Px4Mode.LOITER
         self.landed = common.MAV_LANDED_STATE_ON_GROUND
@@ -107,16 +107,16 @@ class FakeVehicle:
             self._telemetry()
             if not self.script.has_camera:
                 self._run_free(FIVEFOLD_S)
-            elif self._reached(self.script.frames_stop_after):
+            elif self._reached(self.script.images_stop_after):
                 self._run_free(FREE_RUN_S)
             else:
-                self._frame()
+                self._image()
                 self._await_answer()
-            self.time_us += FRAME_US
+            self.time_us += IMAGE_US
             self._move()
 
     def _reached(self, limit: int | None) -> bool:
-        return limit is not None and self.offboard_frames >= limit
+        return limit is not None and self.offboard_images >= limit
 
     def _telemetry(self) -> None:
         ms = self.time_us // 1000
@@ -130,11 +130,11 @@ class FakeVehicle:
             self._send(common.MAVLink_home_position_message(*home))
             self._course()
         if self.script.has_camera:
-            self._send(common.MAVLink_camera_trigger_message(self.time_us, self._frame_number), 100)
+            self._send(common.MAVLink_camera_trigger_message(self.time_us, self._image_number), 100)
 
     @property
-    def _frame_number(self) -> int:
-        return self.time_us // FRAME_US
+    def _image_number(self) -> int:
+        return self.time_us // IMAGE_US
 
     def _heartbeats(self) -> None:
         autopilot = self.script.autopilot
@@ -149,13 +149,13 @@ class FakeVehicle:
             current = common.MAVLink_mission_current_message(self._gates, self.script.gates, state)
             self._send(current, 25)
 
-    def _frame(self) -> None:
+    def _image(self) -> None:
         if self._client is None or self._reached(self.script.stream_breaks_after):
             self.script.stream_breaks_after = None
             self._accept(ANSWER_S if self._client is None else None)
         head = (
             f"\r\n--frame\r\nContent-Type: image/png\r\nContent-Length: {len(self._png)}\r\n"
-            f"X-Timestamp: {self.time_us / 1e6:.6f}\r\nX-Sequence: {self._frame_number}\r\n\r\n"
+            f"X-Timestamp: {self.time_us / 1e6:.6f}\r\nX-Sequence: {self._image_number}\r\n\r\n"
         )
         with contextlib.suppress(OSError):
             if self._client is not None:
@@ -179,7 +179,7 @@ class FakeVehicle:
                 return
             self._listen(0.1)
         if self.mode == Px4Mode.OFFBOARD:
-            self.offboard_frames += 1
+            self.offboard_images += 1
 
     def _run_free(self, period_s: float) -> None:
         ends_s = time.monotonic() + period_s
@@ -270,10 +270,10 @@ class FakeVehicle:
 
     def _send(self, message: Any, component: int = 1) -> None:
         source = self._sequences.get(component) or self._new_source(component)
-        frame = message.pack(source)
+        packet = message.pack(source)
         source.seq = (source.seq + 1) % 256
         with contextlib.suppress(OSError):
-            self._udp.sendto(frame, self._companion)
+            self._udp.sendto(packet, self._companion)
 
     def _new_source(self, component: int) -> common.MAVLink:
         source = self._sequences[component] = common.MAVLink(None, 1, component)

@@ -133,7 +133,7 @@ def test_hands_off_when_the_vehicle_leaves_offboard(tmp_path: Path) -> None:
 
 
 def test_holds_then_lands_when_images_stop(tmp_path: Path) -> None:
-    trial = Trial(tmp_path, Script(gates=None, frames_stop_after=40))
+    trial = Trial(tmp_path, Script(gates=None, images_stop_after=40))
     summary = trial.fly()
     assert (summary.outcome, summary.exit_code) == (Outcome.CAMERA_LOST, 3)
     assert not trial.vehicle.armed
