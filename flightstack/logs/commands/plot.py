@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from flightstack.libraries import load_pyplot
 from flightstack.logs.commands.opening import open_flight
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight.flight import Flight
-from flightstack.logs.report.matplotlib_loader import load_pyplot
 from flightstack.logs.report.plotting import mode_colour
 from flightstack.logs.text.expression import series
 
@@ -42,7 +42,7 @@ def _groups(flight: Flight, fields: list[str]) -> dict[str, list[tuple[str, Any,
 
 def draw(flight: Flight, arguments: Namespace, output: Path) -> None:
     """Draw the fields to a file."""
-    pyplot = load_pyplot()
+    pyplot = load_pyplot("logs")
     groups = _groups(flight, arguments.fields)
     shown = (
         0.0 if arguments.start is None else arguments.start,

@@ -10,8 +10,8 @@ from pathlib import Path
 from string import Template
 
 from flightstack import __version__
+from flightstack.libraries import load_library
 from flightstack.logs.checks import Finding, Level
-from flightstack.logs.errors import MissingLibraryError
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.why import Failure, find_failure
 from flightstack.logs.report import tables
@@ -29,10 +29,8 @@ PLOTLY_FILE = ("package_data", "plotly.min.js")
 @cache
 def plotly_script() -> str:
     """Return plotly.js, which the Python package brings along."""
-    try:
-        script = files("plotly").joinpath(*PLOTLY_FILE).read_text(encoding="utf-8")
-    except (ModuleNotFoundError, FileNotFoundError) as error:
-        raise MissingLibraryError("the report needs plotly: pip install plotly") from error
+    folder = files(load_library("plotly", "logs"))
+    script = folder.joinpath(*PLOTLY_FILE).read_text(encoding="utf-8")
     return script.replace("</script", r"<\/script")
 
 

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from flightstack.libraries import load_pyplot
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight.decisions import LINEAR, VELOCITIES
 from flightstack.logs.flight.why import Failure, Moment
-from flightstack.logs.report.matplotlib_loader import load_pyplot
 
 PARTS = {"aleatoric": "#e69f00", "epistemic": "#d1495b", "perceptual": "#2a9d8f"}
 
@@ -47,7 +47,7 @@ def _bars(axes: Any, moment: Moment, longest: float) -> None:
 
 def draw_strip(failure: Failure, output: Path) -> None:
     """Draw pictures, predictions and uncertainty, one column a moment."""
-    pyplot = load_pyplot()
+    pyplot = load_pyplot("logs")
     moments = failure.moments
     if not moments:
         raise LogFileError("the log holds no decisions of the seconds before: nothing to draw")
