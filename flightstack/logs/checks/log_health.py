@@ -1,6 +1,6 @@
 """Checks of the log itself: losses, damage, clock, and how it ends."""
 
-from flightstack.logs.checks.face import Level, Verdict, check, graded
+from flightstack.logs.checks.registry import Level, Verdict, check, graded
 from flightstack.logs.flight.flight import Flight
 
 LOSS_WARNING = 0.01

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from flightstack.logs.checks.face import Level, Verdict, check, graded
+from flightstack.logs.checks.registry import Level, Verdict, check, graded
 from flightstack.logs.flight.decisions import UNITS, VELOCITIES
 from flightstack.logs.flight.flight import Flight
 

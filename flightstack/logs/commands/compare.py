@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from flightstack.logs.checks import run_checks
+from flightstack.logs.columns.reading import read
+from flightstack.logs.facts.summary import summarise
+from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.parameters import read_parameters
-from flightstack.logs.text.summary import Facts, summarise
-from flightstack.logs.tlog.reading import read
 
 SKIPPED = ("log", "texts", "modes", "armed", "links", "damage", "checks", "failsafes", "counts")
 

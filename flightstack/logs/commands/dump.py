@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.reading import read
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.text.lines import LineOptions, csv_columns, lines
 from flightstack.logs.tlog.frames import LINK_BITS, NO_TIME
-from flightstack.logs.tlog.log import Log
-from flightstack.logs.tlog.reading import read
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -46,7 +46,7 @@ def _reduced(log: Log, rate_hz: float) -> NDArray[np.bool_]:
 
 def _holds(condition: str, log: Log, part: Log) -> NDArray[np.bool_]:
     """Return for which frames of a part of the log the condition holds."""
-    from flightstack.logs.text.expression import holds  # noqa: PLC0415  # it takes a while to import
+    from flightstack.logs.columns.expression import holds  # noqa: PLC0415  # it takes a while to import
 
     return holds(condition, log, np.searchsorted(log.frames.offset, part.frames.offset))
 

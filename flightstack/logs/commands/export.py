@@ -5,8 +5,8 @@ import json
 from argparse import Namespace
 from pathlib import Path
 
+from flightstack.logs.columns.reading import read
 from flightstack.logs.errors import LogFileError
-from flightstack.logs.tlog.reading import read
 
 ENDINGS = {"csv": "", "parquet": "", "mcap": ".mcap"}  # of the default output beside the log
 

@@ -5,16 +5,11 @@ import time
 from argparse import Namespace
 from pathlib import Path
 
-from flightstack.logs.flight.following import (
-    Facts,
-    GrowingFile,
-    PieceReader,
-    Watch,
-    at_times,
-    open_link,
-)
+from flightstack.logs.columns.live import GrowingFile, PieceReader, at_times, open_link
+from flightstack.logs.columns.log import Log
+from flightstack.logs.facts.events import Watch
+from flightstack.logs.facts.values import Facts
 from flightstack.logs.text.lines import LineOptions, lines
-from flightstack.logs.tlog.log import Log
 
 PAUSE_S = 0.05
 RATES_EVERY_S = 1.0

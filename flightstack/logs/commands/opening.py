@@ -4,9 +4,9 @@ from argparse import Namespace
 from pathlib import Path
 
 from flightstack.logs.checks import load_checks
+from flightstack.logs.columns.reading import read
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight.flight import Flight
-from flightstack.logs.tlog.reading import read
 
 LOG_ENDINGS = (".tlog", ".mavlink", ".rlog", ".raw")
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from flightstack.libraries import load_pyplot
+from flightstack.logs.columns.expression import series
 from flightstack.logs.commands.opening import open_flight
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.report.plotting import mode_colour
-from flightstack.logs.text.expression import series
 
 ENDINGS = (".png", ".svg", ".pdf")
 LEAST_NAMED = 0.06  # of the width: narrower modes are coloured only

@@ -8,10 +8,10 @@ import numpy as np
 
 from flightstack.logs.commands.opening import open_flight
 from flightstack.logs.errors import LogFileError
+from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.decisions import LINEAR, VELOCITIES
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.why import Failure, Moment, find_failure
-from flightstack.logs.text.summary import Facts
 
 PARTS = ("aleatoric", "epistemic", "perceptual")
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from flightstack.libraries import load_library
-from flightstack.logs.dialect.dialect import Field
-from flightstack.logs.tlog.log import Log
-from flightstack.logs.tlog.table import Table
+from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.table import Table
+from flightstack.logs.dialect.message_types import Field
 
 CHUNK = 50_000  # frames that are decoded at once
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from flightstack.libraries import load_library
-from flightstack.logs.tlog.log import Log
-from flightstack.logs.tlog.table import Table
+from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.table import Table
 
 
 def _arrow_table(arrow: Any, table: Table) -> Any:

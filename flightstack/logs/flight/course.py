@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flightstack.logs.columns.log import Log
 from flightstack.logs.flight.texts import Text
-from flightstack.logs.tlog.log import Log
 
 REFEREE = 25  # MAV_COMP_ID_USER1
 LOCAL_SCALE = 1e-4  # MISSION_ITEM_INT counts local x and y in 0.1 mm

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.tlog.log import Log
+from flightstack.logs.columns.log import Log
 
 VELOCITIES = ("vx", "vy", "vz", "yaw rate")  # body frame: forward, right, down; clockwise
 UNITS = ("m/s", "m/s", "m/s", "rad/s")

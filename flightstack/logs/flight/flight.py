@@ -5,6 +5,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.table import Table
 from flightstack.logs.flight.course import (
     CourseEvent,
     CourseGate,
@@ -39,8 +41,6 @@ from flightstack.logs.flight.vehicle import (
     intervals,
     mode_intervals,
 )
-from flightstack.logs.tlog.log import Log
-from flightstack.logs.tlog.table import Table
 
 ALOFT = (2, 3, 4)  # MAV_LANDED_STATE: in the air, taking off, landing
 LIFTED_M = 0.5  # higher than this above where it was armed counts as flying, without landed state

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.columns.log import Log
 from flightstack.logs.flight.vehicle import Vehicle
-from flightstack.logs.tlog.log import Log
 
 EARTH_RADIUS_M = 6_371_000.0
 STANDING_M_S = 0.3  # slower than this is noise of the estimate, not a way flown

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.columns.table import Table
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.modes import PX4
-from flightstack.logs.tlog.table import Table
 
 BYTEWISE_CAPABILITY = 1 << 4  # MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
 INTEGER_TYPES = {1: "u1", 2: "i1", 3: "<u2", 4: "<i2", 5: "<u4", 6: "<i4"}  # MAV_PARAM_TYPE

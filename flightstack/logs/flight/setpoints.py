@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.columns.log import Log
 from flightstack.logs.flight.vehicle import Interval, Vehicle
-from flightstack.logs.tlog.log import Log
 
 LOCAL_NED, BODY_NED, BODY_FRD = 1, 8, 12  # MAV_FRAME
 IGNORE_VELOCITY = 0b111 << 3  # bits of type_mask

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, replace
 
-from flightstack.logs.dialect.dialect import enum_name
-from flightstack.logs.tlog.log import Log
+from flightstack.logs.columns.log import Log
+from flightstack.logs.dialect.message_types import enum_name
 
 COPY_US = 200_000  # the same text from the same sender this soon came over another link
 

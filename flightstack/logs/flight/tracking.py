@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.columns.log import Log
 from flightstack.logs.flight.motion import Motion
 from flightstack.logs.flight.setpoints import Setpoints, within
 from flightstack.logs.flight.vehicle import Interval, Vehicle
-from flightstack.logs.tlog.log import Log
 
 GRID_S = 0.02
 LONGEST_LAG_S = 2.0

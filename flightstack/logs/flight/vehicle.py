@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.dialect.dialect import enum_name
+from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.table import Table
+from flightstack.logs.dialect.message_types import enum_name
 from flightstack.logs.flight.modes import mode_name
-from flightstack.logs.tlog.log import Log
-from flightstack.logs.tlog.table import Table
 
 AUTOPILOT_INVALID = 8  # MAV_AUTOPILOT_INVALID: a companion, a camera, a ground station
 NO_VEHICLES = (6, 18, 26, 27, 30)  # MAV_TYPE: GCS, onboard controller, gimbal, ADS-B, camera

@@ -12,6 +12,9 @@ from string import Template
 from flightstack import __version__
 from flightstack.libraries import load_library
 from flightstack.logs.checks import Finding, Level
+from flightstack.logs.facts.messages import message_facts
+from flightstack.logs.facts.summary import summarise
+from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.why import Failure, find_failure
 from flightstack.logs.report import tables
@@ -19,8 +22,6 @@ from flightstack.logs.report.course_figure import course_figure, has_course
 from flightstack.logs.report.plotting import Json
 from flightstack.logs.report.strip import strip_html
 from flightstack.logs.report.time_figure import time_figure
-from flightstack.logs.text.message_facts import message_facts
-from flightstack.logs.text.summary import Facts, summarise
 from flightstack.logs.text.summary_text import duration
 
 PLOTLY_FILE = ("package_data", "plotly.min.js")

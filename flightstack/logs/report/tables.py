@@ -5,9 +5,9 @@ from html import escape
 from itertools import islice
 
 from flightstack.logs.checks import Finding, Level
+from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.parameters import read_parameters
-from flightstack.logs.text.summary import Facts
 
 WORDS = {
     Level.ERROR: "error",

@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.table import Table
 from flightstack.logs.errors import UnknownNameError
 from flightstack.logs.text import fast_text
-from flightstack.logs.tlog.log import Log
-from flightstack.logs.tlog.table import Table
 
 CHUNK = 6_000  # frames whose lines are made at once: a compromise between steps and caches
 Text = fast_text.Lines | list[bytes]  # the lines of one type

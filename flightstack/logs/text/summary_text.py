@@ -4,7 +4,7 @@ import time
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from flightstack.logs.text.summary import Facts
+from flightstack.logs.facts.values import Facts
 
 MOST_REGIONS = 5
 MOST_TYPES = 12

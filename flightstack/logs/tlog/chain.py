@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.dialect.dialect import framing_tables
+from flightstack.logs.dialect.message_types import framing_tables
 from flightstack.logs.tlog.clock import RunningClock
 from flightstack.logs.tlog.frames import MARGIN, TIMESTAMP, Frames, join
 from flightstack.logs.tlog.framing import (

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.dialect.dialect import framing_tables
+from flightstack.logs.dialect.message_types import framing_tables
 from flightstack.logs.tlog import crc
 from flightstack.logs.tlog.frames import (
     CHECKSUM,

@@ -8,11 +8,11 @@ from pymavlink.dialects.v20 import all as mavlink
 
 from flightstack.logs import read, read_bytes
 from flightstack.logs.checks import run_checks
+from flightstack.logs.facts.summary import summarise
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.modes import mode_name
 from flightstack.logs.flight.parameters import read_parameters
 from flightstack.logs.flight.tracking import response_lag_s
-from flightstack.logs.text.summary import summarise
 from flightstack.logs.text.summary_text import duration, one_line, page
 from tests.paths import GOLDEN
 from tests.unit.flightstack.logs.made_flights import LAG_S, PX4_OFFBOARD, make_flight

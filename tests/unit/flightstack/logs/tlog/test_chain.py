@@ -8,7 +8,7 @@ import pytest
 from pymavlink.dialects.v20 import all as mavlink
 
 from flightstack.logs import Log, read
-from flightstack.logs.dialect.dialect import message_id
+from flightstack.logs.dialect.message_types import message_id
 from flightstack.logs.tlog.chain import find_chained
 from flightstack.logs.tlog.clock import RunningClock, mend
 from flightstack.logs.tlog.source import MemorySource

@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from flightstack.logs import Log, read, read_bytes
+from flightstack.logs.columns.reading import from_frames
 from flightstack.logs.tlog.frames import join
-from flightstack.logs.tlog.reading import from_frames
 from flightstack.logs.tlog.scanner import scan
 from flightstack.logs.tlog.source import MemorySource
 from tests.unit.flightstack.logs.made_logs import (

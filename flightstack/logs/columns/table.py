@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.dialect.dialect import Field, MessageType
+from flightstack.logs.dialect.message_types import Field, MessageType
 from flightstack.logs.tlog.frames import IS_SIGNED, IS_V2, Frames
 
 US = 1e-6

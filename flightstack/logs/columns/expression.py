@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.dialect.dialect import message_id
+from flightstack.logs.columns.log import Log
+from flightstack.logs.dialect.message_types import message_id
 from flightstack.logs.errors import ExpressionError, UnknownNameError
-from flightstack.logs.tlog.log import Log
 
 Rows = NDArray[np.intp]
 Value = Any  # a column, or a plain number or text

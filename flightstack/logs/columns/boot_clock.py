@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.dialect.dialect import message_type
+from flightstack.logs.columns.payloads import gather
+from flightstack.logs.dialect.message_types import message_type
 from flightstack.logs.tlog.frames import Frames
-from flightstack.logs.tlog.payloads import gather
 from flightstack.logs.tlog.source import Source
 
 BOOT_FIELD = "time_boot_ms"

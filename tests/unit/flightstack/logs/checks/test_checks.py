@@ -9,7 +9,7 @@ from pymavlink.dialects.v20 import all as mavlink
 
 from flightstack.logs import read_bytes
 from flightstack.logs.checks import Finding, Level, load_checks, run_checks
-from flightstack.logs.checks.face import REGISTERED, check
+from flightstack.logs.checks.registry import REGISTERED, check
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight.flight import Flight
 from tests.unit.flightstack.logs.made_flights import VEHICLE, make_flight

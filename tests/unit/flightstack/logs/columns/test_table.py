@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from pymavlink.dialects.v20 import all as mavlink
 
 from flightstack.logs import read_bytes
-from flightstack.logs.dialect.dialect import message_type
+from flightstack.logs.dialect.message_types import message_type
 from flightstack.logs.errors import UnknownNameError
 from tests.unit.flightstack.logs.made_logs import START_US, frame, record, same
 

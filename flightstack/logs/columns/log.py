@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.dialect.dialect import (
+from flightstack.logs.columns.payloads import gather
+from flightstack.logs.columns.table import Table
+from flightstack.logs.dialect.message_types import (
     MessageType,
     ids_by_name,
     message_id,
@@ -16,9 +18,7 @@ from flightstack.logs.dialect.dialect import (
     message_type,
 )
 from flightstack.logs.tlog.frames import Frames
-from flightstack.logs.tlog.payloads import gather
 from flightstack.logs.tlog.source import Source, mapped
-from flightstack.logs.tlog.table import Table
 
 if TYPE_CHECKING:
     from flightstack.logs.tlog.damage import Damage, SourceLoss

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from flightstack.logs.dialect.dialect import message_name
-from flightstack.logs.text.summary import Facts
-from flightstack.logs.tlog.log import Log
+from flightstack.logs.columns.log import Log
+from flightstack.logs.dialect.message_types import message_name
+from flightstack.logs.facts.values import Facts
 
 
 def message_facts(log: Log) -> Iterator[Facts]:

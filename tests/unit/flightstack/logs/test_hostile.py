@@ -9,12 +9,12 @@ from flightstack.logs import Log, read_bytes
 from flightstack.logs.checks import run_checks
 from flightstack.logs.commands.messages import message_facts
 from flightstack.logs.export.csv import rows
+from flightstack.logs.facts.summary import summarise
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.parameters import read_parameters
 from flightstack.logs.report.course_figure import course_figure, has_course
 from flightstack.logs.report.time_figure import time_figure
 from flightstack.logs.text.lines import LineOptions, lines
-from flightstack.logs.text.summary import summarise
 from flightstack.logs.text.summary_text import one_line, page
 from tests.paths import GOLDEN
 from tests.unit.flightstack.logs.made_flights import make_flight

@@ -8,13 +8,13 @@ from os import PathLike
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.dialect.dialect import ids_by_name, message_id
+from flightstack.logs.columns.boot_clock import times_since_boot_us
+from flightstack.logs.columns.log import Log
+from flightstack.logs.dialect.message_types import ids_by_name, message_id
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.tlog import clock
-from flightstack.logs.tlog.boot_clock import times_since_boot_us
 from flightstack.logs.tlog.chain import find_chained
 from flightstack.logs.tlog.frames import IS_UNKNOWN, NO_TIME, Frames, join
-from flightstack.logs.tlog.log import Log
 from flightstack.logs.tlog.scanner import scan
 from flightstack.logs.tlog.source import (
     WINDOW_BYTES,
