@@ -109,7 +109,7 @@ def _add_compare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("other", type=_path, metavar="OTHER")
 
 
-class Command(NamedTuple):
+class LogCommand(NamedTuple):
     """What the command line says of a command; its code is the module of that name."""
 
     about: str
@@ -118,20 +118,22 @@ class Command(NamedTuple):
 
 
 COMMANDS = {
-    "summary": Command(
+    "summary": LogCommand(
         "what happened, on one page; a line a log for folders", _add_summary, takes_log=False
     ),
-    "messages": Command("every type by source: count, rate, first and last"),
-    "texts": Command("status texts"),
-    "params": Command("parameters and their changes", _add_params),
-    "dump": Command("every message as text, JSON or CSV, as mavlogdump prints them", _add_dump),
-    "plot": Command("fields over time, on a background of flight modes", _add_plot),
-    "report": Command("one HTML page with all of the flight", _add_report),
-    "check": Command("health checks, worst first", _add_check),
-    "why": Command("the seconds before a gate was missed", _add_why),
-    "export": Command("CSV, Parquet, or MCAP for Foxglove", _add_export),
-    "compare": Command("two logs side by side", _add_compare),
-    "follow": Command("a log that is being written, or a live link", _add_follow, takes_log=False),
+    "messages": LogCommand("every type by source: count, rate, first and last"),
+    "texts": LogCommand("status texts"),
+    "params": LogCommand("parameters and their changes", _add_params),
+    "dump": LogCommand("every message as text, JSON or CSV, as mavlogdump prints them", _add_dump),
+    "plot": LogCommand("fields over time, on a background of flight modes", _add_plot),
+    "report": LogCommand("one HTML page with all of the flight", _add_report),
+    "check": LogCommand("health checks, worst first", _add_check),
+    "why": LogCommand("the seconds before a gate was missed", _add_why),
+    "export": LogCommand("CSV, Parquet, or MCAP for Foxglove", _add_export),
+    "compare": LogCommand("two logs side by side", _add_compare),
+    "follow": LogCommand(
+        "a log that is being written, or a live link", _add_follow, takes_log=False
+    ),
 }
 
 

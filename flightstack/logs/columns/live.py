@@ -10,21 +10,21 @@ from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.reading import read_bytes
 from flightstack.logs.errors import LogFileError
 
-MOST_PENDING = 1 << 16  # bytes that may wait for the rest of a frame
+MAX_PENDING_BYTES = 1 << 16  # bytes that may wait for the rest of a packet
 
 
 class PieceReader:
-    """Cuts a growing stream of bytes into logs of whole frames."""
+    """Cuts a growing stream of bytes into logs of whole packets."""
 
     def __init__(self) -> None:
         self._pending = b""
 
     def feed(self, data: bytes) -> Log:
-        """Return the frames that are now whole."""
+        """Return the packets that are now whole."""
         self._pending += data
         log = read_bytes(self._pending)
-        used = int(log.frames.end[-1]) if len(log) else 0
-        self._pending = self._pending[used:][-MOST_PENDING:]
+        used = int(log.packets.end[-1]) if len(log) else 0
+        self._pending = self._pending[used:][-MAX_PENDING_BYTES:]
         return log
 
 
@@ -78,6 +78,6 @@ def open_link(text: str) -> Callable[[], bytes]:
 
 
 def at_times(log: Log, now_us: int) -> Log:
-    """Return a live piece, whose frames carry no times, as received now."""
+    """Return a live piece, whose packets carry no times, as received now."""
     times: NDArray[np.int64] = np.full(len(log), now_us, dtype=np.int64)
-    return Log(log.source, log.frames, times)
+    return Log(log.source, log.packets, times)

@@ -12,7 +12,7 @@ from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.reading import read
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.text.lines import LineOptions, csv_columns, lines
-from flightstack.logs.tlog.frames import LINK_BITS, NO_TIME
+from flightstack.logs.tlog.packets import LINK_BITS, NO_TIME
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,11 +31,11 @@ def _names(given: str | None) -> list[str]:
 
 
 def _reduced(log: Log, rate_hz: float) -> NDArray[np.bool_]:
-    """Return which frames to keep so that no type comes more often than this."""
+    """Return which packets to keep so that no type comes more often than this."""
     keep = np.zeros(len(log), dtype=np.bool_)
     step_us = 1e6 / rate_hz
-    for msgid in np.unique(log.frames.msgid).tolist():
-        rows = np.flatnonzero(log.frames.msgid == msgid)
+    for msgid in np.unique(log.packets.msgid).tolist():
+        rows = np.flatnonzero(log.packets.msgid == msgid)
         last_us = -np.inf
         for row, time_us in zip(rows.tolist(), log.time_us[rows].tolist(), strict=True):
             if time_us - last_us >= step_us or time_us < last_us:
@@ -45,10 +45,10 @@ def _reduced(log: Log, rate_hz: float) -> NDArray[np.bool_]:
 
 
 def _holds(condition: str, log: Log, part: Log) -> NDArray[np.bool_]:
-    """Return for which frames of a part of the log the condition holds."""
+    """Return for which packets of a part of the log the condition holds."""
     from flightstack.logs.columns.expression import holds  # noqa: PLC0415  # it takes a while to import
 
-    return holds(condition, log, np.searchsorted(log.frames.offset, part.frames.offset))
+    return holds(condition, log, np.searchsorted(log.packets.offset, part.packets.offset))
 
 
 def chosen(arguments: Namespace) -> Log:
@@ -64,9 +64,9 @@ def chosen(arguments: Namespace) -> Log:
         types=types, system=system, component=component, start_us=start_us, end_us=end_us
     )
     if left_out := _names(arguments.nottypes):
-        part = part.rows(~np.isin(part.frames.msgid, part.matching_ids(left_out)))
+        part = part.rows(~np.isin(part.packets.msgid, part.matching_ids(left_out)))
     if arguments.link is not None:
-        part = part.rows((part.frames.time_us & LINK_BITS) == arguments.link)
+        part = part.rows((part.packets.time_us & LINK_BITS) == arguments.link)
     if arguments.condition:
         part = part.rows(_holds(arguments.condition, log, part))
     if arguments.reduce_rate > 0:
@@ -75,9 +75,9 @@ def chosen(arguments: Namespace) -> Log:
 
 
 def write_tlog(log: Log, path: "Path") -> None:
-    """Write the log's frames to a new tlog, each with its time."""
-    times = np.where(log.frames.time_us == NO_TIME, log.time_us, log.frames.time_us)
-    rows = (times.view(np.uint64).tolist(), log.frames.offset.tolist(), log.frames.end.tolist())
+    """Write the log's packets to a new tlog, each with its time."""
+    times = np.where(log.packets.time_us == NO_TIME, log.time_us, log.packets.time_us)
+    rows = (times.view(np.uint64).tolist(), log.packets.offset.tolist(), log.packets.end.tolist())
     try:
         with path.open("wb") as file:
             for stamp, start, end in zip(*rows, strict=True):

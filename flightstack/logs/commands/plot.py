@@ -15,7 +15,7 @@ from flightstack.logs.flight.flight import Flight
 from flightstack.logs.report.plotting import mode_colour
 
 ENDINGS = (".png", ".svg", ".pdf")
-LEAST_NAMED = 0.06  # of the width: narrower modes are coloured only
+MIN_NAMED_SHARE = 0.06  # of the width: narrower modes are coloured only
 
 
 def _background(axes: Any, flight: Flight, shown: tuple[float, float], *, named: bool) -> None:
@@ -25,7 +25,7 @@ def _background(axes: Any, flight: Flight, shown: tuple[float, float], *, named:
         if first >= last:
             continue
         axes.axvspan(first, last, color=mode_colour(span.label), alpha=0.15, linewidth=0)
-        if named and last - first > LEAST_NAMED * (shown[1] - shown[0]):
+        if named and last - first > MIN_NAMED_SHARE * (shown[1] - shown[0]):
             top = axes.get_xaxis_transform()
             axes.text((first + last) / 2, 1.02, span.label, transform=top, ha="center", fontsize=7)
 

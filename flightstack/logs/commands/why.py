@@ -11,7 +11,7 @@ from flightstack.logs.errors import LogFileError
 from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.decisions import LINEAR, VELOCITIES
 from flightstack.logs.flight.flight import Flight
-from flightstack.logs.flight.why import Failure, Moment, find_failure
+from flightstack.logs.flight.why import FailedGate, Moment, find_failure
 
 PARTS = ("aleatoric", "epistemic", "perceptual")
 
@@ -25,7 +25,7 @@ def _facts(moment: Moment) -> Facts:
         "member": moment.member.tolist(),
         "modes": moment.modes.tolist(),
         "predictions": np.round(moment.predictions, 4).tolist(),
-        "frame": str(moment.frame) if moment.frame else None,
+        "frame": str(moment.image) if moment.image else None,
     }
 
 
@@ -37,7 +37,7 @@ def _numbers(values: list[float]) -> str:
     return " ".join(f"{value:+6.2f}" for value in values)
 
 
-def _lines(flight: Flight, failure: Failure) -> Iterator[str]:
+def _lines(flight: Flight, failure: FailedGate) -> Iterator[str]:
     at_s = flight.seconds(failure.event.time_us)
     yield f"{failure.event.text}, at {at_s:.2f} s"
     if not failure.moments:

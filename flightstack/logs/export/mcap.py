@@ -12,7 +12,7 @@ from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.table import Table
 from flightstack.logs.dialect.message_types import Field
 
-CHUNK = 50_000  # frames that are decoded at once
+CHUNK = 50_000  # packets that are decoded at once
 
 
 def _field_schema(field: Field, kind: str) -> dict[str, Any]:

@@ -10,21 +10,21 @@ from flightstack.logs.flight.modes import mode_name
 from flightstack.logs.flight.texts import status_texts
 from flightstack.logs.flight.vehicle import ARMED, AUTOPILOT_INVALID
 from flightstack.logs.tlog.damage import find_losses
-from flightstack.logs.tlog.frames import Frames, join
+from flightstack.logs.tlog.packets import Packets, join
 
 
 @dataclass
-class Watch:
+class LiveEvents:
     """Turns pieces of a log into events; keeps what it needs from piece to piece."""
 
     modes: dict[tuple[int, int], str] = field(default_factory=dict)
     armed: dict[tuple[int, int], bool] = field(default_factory=dict)
-    since: list[Frames] = field(default_factory=list)  # frames since the last rates
+    since: list[Packets] = field(default_factory=list)  # packets since the last rates
 
-    def events(self, log: Log) -> Iterator[Facts]:
+    def of(self, log: Log) -> Iterator[Facts]:
         """Yield mode changes, arming, texts and gates of this piece, in order of time."""
         found = [*self._heartbeats(log), *self._texts(log), *self._gates(log)]
-        self.since.append(log.frames)
+        self.since.append(log.packets)
         yield from sorted(found, key=lambda event: int(event["time_us"]))
 
     def _heartbeats(self, log: Log) -> Iterator[Facts]:
@@ -62,13 +62,13 @@ class Watch:
 
     def rates(self, seconds: float) -> Facts:
         """Return messages a second and loss by source since the last call."""
-        frames = join(self.since)
+        packets = join(self.since)
         self.since = []
         sources = {
             f"{loss.system}/{loss.component}": {
                 "rate_hz": round(loss.received / seconds, 1),
                 "loss_percent": round(100 * loss.fraction, 2),
             }
-            for loss in find_losses(frames)
+            for loss in find_losses(packets)
         }
-        return {"event": "rates", "rate_hz": round(len(frames) / seconds, 1), "sources": sources}
+        return {"event": "rates", "rate_hz": round(len(packets) / seconds, 1), "sources": sources}

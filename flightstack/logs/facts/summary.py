@@ -9,7 +9,7 @@ from flightstack.logs.flight.decisions import VELOCITIES
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.vehicle import Interval
 
-SHORTEST_FLIGHT_S = 0.5
+MIN_FLIGHT_S = 0.5
 UNKNOWN_VOLTAGE = 65535
 UNKNOWN_REMAINING = -1
 
@@ -27,7 +27,7 @@ def _span_facts(flight: Flight, spans: list[Interval], name: str) -> list[Facts]
 
 def flight_facts(flight: Flight) -> Facts:
     """Return flight time, distance and speeds."""
-    spans = [span for span in flight.flying if span.duration_s >= SHORTEST_FLIGHT_S]
+    spans = [span for span in flight.flying if span.duration_s >= MIN_FLIGHT_S]
     parts = [flight.motion.within(span.start_us, span.end_us) for span in spans]
     filled = [part for part in parts if len(part)]
     speeds = [part.horizontal_speed_m_s for part in filled]
@@ -69,7 +69,7 @@ def battery_facts(flight: Flight) -> Facts | None:
 def link_facts(flight: Flight) -> list[Facts]:
     """Return for every sender its messages, rate and loss."""
     log = flight.log
-    sender = log.frames.system.astype(np.uint16) << 8 | log.frames.component
+    sender = log.packets.system.astype(np.uint16) << 8 | log.packets.component
     facts = []
     for loss in log.losses:
         times = log.time_us[sender == (loss.system << 8 | loss.component)]
@@ -111,7 +111,7 @@ def offboard_facts(flight: Flight) -> Facts | None:
         "setpoints": len(times),
         "rate_hz": rounded(len(times) / duration_s if duration_s else None, 2),
         "longest_gap_s": rounded(steps_s.max() if len(steps_s) else None),
-        "frames": flight.answers.frames,
+        "frames": flight.answers.images,
         "frames_answered": flight.answers.answered,
         "frame_to_setpoint_ms": _percentiles(flight.answers.latency_ms),
         "setpoint_to_response_s": dict(zip(VELOCITIES, map(rounded, lags), strict=True)),

@@ -23,18 +23,18 @@ from flightstack.logs.flight.decisions import (
 from flightstack.logs.flight.motion import Motion, find_motion
 from flightstack.logs.flight.setpoints import (
     Answers,
-    Setpoints,
+    VelocitySetpoints,
     camera_answers,
     find_setpoints,
     setpoint_times,
     within,
 )
-from flightstack.logs.flight.texts import Text, status_texts
+from flightstack.logs.flight.texts import LoggedText, status_texts
 from flightstack.logs.flight.tracking import Tracking, response_lag_s, track
 from flightstack.logs.flight.vehicle import (
     AUTOPILOT_INVALID,
     Interval,
-    Vehicle,
+    LoggedVehicle,
     armed_intervals,
     failsafe_intervals,
     find_vehicle,
@@ -70,7 +70,7 @@ class Flight:
     def __init__(self, log: Log, system: int | None = None) -> None:
         self.log = log
         log.load(SUMMARY_MESSAGES)
-        self.vehicle: Vehicle | None = find_vehicle(log, system)
+        self.vehicle: LoggedVehicle | None = find_vehicle(log, system)
 
     @cached_property
     def start_us(self) -> int:
@@ -160,7 +160,7 @@ class Flight:
         return "landed and disarmed" if self.flying else "never flew"
 
     @cached_property
-    def texts(self) -> list[Text]:
+    def texts(self) -> list[LoggedText]:
         """All status texts."""
         return status_texts(self.log)
 
@@ -170,7 +170,7 @@ class Flight:
         return find_motion(self.log, self.vehicle or _nobody())
 
     @cached_property
-    def setpoints(self) -> Setpoints:
+    def setpoints(self) -> VelocitySetpoints:
         """The velocity setpoints that were sent."""
         return find_setpoints(self.log, self.vehicle or _nobody())
 
@@ -182,7 +182,7 @@ class Flight:
 
     @cached_property
     def answers(self) -> Answers:
-        """Camera frames and their answers while OFFBOARD."""
+        """Camera images and their answers while OFFBOARD."""
         return camera_answers(self.log, self.setpoints, self.offboard)
 
     @cached_property
@@ -222,6 +222,6 @@ class Flight:
         return gates_passed(self.log)
 
 
-def _nobody() -> Vehicle:
+def _nobody() -> LoggedVehicle:
     """Stand in for the vehicle of a log without one: no message is of system 0."""
-    return Vehicle(system=0, component=0, autopilot=AUTOPILOT_INVALID, type=0)
+    return LoggedVehicle(system=0, component=0, autopilot=AUTOPILOT_INVALID, type=0)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs.columns.log import Log
-from flightstack.logs.flight.vehicle import Vehicle
+from flightstack.logs.flight.vehicle import LoggedVehicle
 
 EARTH_RADIUS_M = 6_371_000.0
 STANDING_M_S = 0.3  # slower than this is noise of the estimate, not a way flown
@@ -56,7 +56,7 @@ class Motion:
         )
 
 
-def _local(log: Log, vehicle: Vehicle) -> Motion:
+def _local(log: Log, vehicle: LoggedVehicle) -> Motion:
     table = log["LOCAL_POSITION_NED"].where(system=vehicle.system, component=vehicle.component)
     return Motion(
         source=table.name,
@@ -66,7 +66,7 @@ def _local(log: Log, vehicle: Vehicle) -> Motion:
     )
 
 
-def _global(log: Log, vehicle: Vehicle) -> Motion:
+def _global(log: Log, vehicle: LoggedVehicle) -> Motion:
     table = log["GLOBAL_POSITION_INT"].where(system=vehicle.system, component=vehicle.component)
     has_fix = (table["lat"] != 0) | (table["lon"] != 0)
     table = table.take(has_fix)
@@ -84,7 +84,7 @@ def _global(log: Log, vehicle: Vehicle) -> Motion:
     )
 
 
-def find_motion(log: Log, vehicle: Vehicle) -> Motion:
+def find_motion(log: Log, vehicle: LoggedVehicle) -> Motion:
     """Return the vehicle's motion, local if logged, else from the global position."""
     local = _local(log, vehicle)
     return local if len(local) else _global(log, vehicle)

@@ -33,7 +33,7 @@ class Interval:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Vehicle:
+class LoggedVehicle:
     """Who flies: the autopilot's system and component, and its kind."""
 
     system: int
@@ -49,7 +49,7 @@ class Vehicle:
         return f"{autopilot} {vehicle_type}".lower().replace("_", " ")
 
 
-def find_vehicle(log: Log, system: int | None = None) -> Vehicle | None:
+def find_vehicle(log: Log, system: int | None = None) -> LoggedVehicle | None:
     """Return the autopilot with the most heartbeats, of `system` if given; None without one."""
     beats = log["HEARTBEAT"]
     is_autopilot = (beats["autopilot"] != AUTOPILOT_INVALID) & ~np.isin(beats["type"], NO_VEHICLES)
@@ -62,7 +62,7 @@ def find_vehicle(log: Log, system: int | None = None) -> Vehicle | None:
     senders, counts = np.unique(sender, return_counts=True)
     chosen = int(senders[counts.argmax()])
     row = int(np.flatnonzero(sender == chosen)[-1])
-    return Vehicle(
+    return LoggedVehicle(
         system=chosen >> 8,
         component=chosen & 0xFF,
         autopilot=int(beats["autopilot"][row]),
@@ -82,7 +82,7 @@ def intervals(times: NDArray[np.int64], labels: Sequence[str], end_us: int) -> l
     return found
 
 
-def mode_intervals(beats: Table, vehicle: Vehicle, end_us: int) -> list[Interval]:
+def mode_intervals(beats: Table, vehicle: LoggedVehicle, end_us: int) -> list[Interval]:
     """Return when the vehicle flew in which mode."""
     base, custom = beats["base_mode"].tolist(), beats["custom_mode"].tolist()
     names: dict[tuple[int, int], str] = {}

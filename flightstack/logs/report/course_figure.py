@@ -17,7 +17,7 @@ from flightstack.logs.report.plotting import (
     packed,
 )
 
-MOST_MARKERS = 3000
+MAX_MARKERS = 3000
 EVENT_MARKS = {
     "passed": ("circle", "#2a9d8f"),
     "missed": ("x", "#c1272d"),
@@ -88,7 +88,7 @@ def _gates(gates: list[CourseGate]) -> list[Json]:
 
 def _path(flight: Flight) -> list[Json]:
     motion = flight.motion
-    step = max(1, len(motion) // MOST_MARKERS)
+    step = max(1, len(motion) // MAX_MARKERS)
     grey = {
         "type": "scatter",
         "mode": "lines",
@@ -102,7 +102,7 @@ def _uncertain_path(flight: Flight) -> list[Json]:
     decisions = flight.decisions
     if not len(decisions):
         return []
-    step = max(1, len(decisions) // MOST_MARKERS)
+    step = max(1, len(decisions) // MAX_MARKERS)
     rows = slice(None, None, step)
     total = decisions.total_std_m_s[rows]
     seconds = (decisions.time_us[rows] - flight.start_us) * 1e-6

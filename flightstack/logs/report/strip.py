@@ -6,7 +6,7 @@ from html import escape
 import numpy as np
 
 from flightstack.logs.flight.decisions import ALL_MEMBERS, LINEAR, UNITS, VELOCITIES
-from flightstack.logs.flight.why import Failure, Moment
+from flightstack.logs.flight.why import FailedGate, Moment
 from flightstack.logs.report.plotting import PARTS, Floats
 
 DOTS_WIDTH, DOTS_ROW = 128, 22
@@ -22,9 +22,9 @@ def _ranges(moments: tuple[Moment, ...]) -> Floats:
 
 
 def _picture(moment: Moment) -> str:
-    if moment.frame is None:
+    if moment.image is None:
         return '<div class="no-frame">frame not recorded</div>'
-    data = base64.b64encode(moment.frame.read_bytes()).decode()
+    data = base64.b64encode(moment.image.read_bytes()).decode()
     return f'<img alt="camera frame" src="data:image/png;base64,{data}">'
 
 
@@ -78,7 +78,7 @@ def _numbers(moment: Moment) -> str:
     return f"<code>{command}</code><small>{chosen}<br>modes {modes}</small>"
 
 
-def strip_html(failure: Failure) -> str:
+def strip_html(failure: FailedGate) -> str:
     """Return the strip; a sentence where the log holds no decision before the failure."""
     text = escape(failure.event.text)
     if not failure.moments:

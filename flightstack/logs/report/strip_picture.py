@@ -8,7 +8,7 @@ import numpy as np
 from flightstack.libraries import load_pyplot
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight.decisions import LINEAR, VELOCITIES
-from flightstack.logs.flight.why import Failure, Moment
+from flightstack.logs.flight.why import FailedGate, Moment
 
 PARTS = {"aleatoric": "#e69f00", "epistemic": "#d1495b", "perceptual": "#2a9d8f"}
 
@@ -17,10 +17,10 @@ def _picture(axes: Any, moment: Moment, read: Any) -> None:
     axes.set_title(f"{-moment.before_s:.2f} s", fontsize=9)
     axes.set_xticks([])
     axes.set_yticks([])
-    if moment.frame is None:
+    if moment.image is None:
         axes.text(0.5, 0.5, "not\nrecorded", ha="center", va="center", transform=axes.transAxes)
     else:
-        axes.imshow(read(moment.frame), interpolation="nearest")
+        axes.imshow(read(moment.image), interpolation="nearest")
 
 
 def _members(axes: Any, moment: Moment, limits: tuple[float, float]) -> None:
@@ -45,7 +45,7 @@ def _bars(axes: Any, moment: Moment, longest: float) -> None:
     axes.tick_params(labelsize=7)
 
 
-def draw_strip(failure: Failure, output: Path) -> None:
+def draw_strip(failure: FailedGate, output: Path) -> None:
     """Draw pictures, predictions and uncertainty, one column a moment."""
     pyplot = load_pyplot("logs")
     moments = failure.moments

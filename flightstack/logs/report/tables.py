@@ -15,7 +15,7 @@ WORDS = {
     Level.OK: "ok",
     Level.SKIPPED: "no data",
 }
-MOST_ROWS = 1500
+MAX_ROWS = 1500
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[object]], numbers: set[int]) -> str:
@@ -28,7 +28,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]], numbers: set[in
     header = "".join(cell("th", index, name) for index, name in enumerate(head))
     body = "".join(
         "<tr>" + "".join(cell("td", index, value) for index, value in enumerate(row)) + "</tr>"
-        for row in islice(rows, MOST_ROWS)
+        for row in islice(rows, MAX_ROWS)
     )
     return f'<div class="scroll"><table><tr>{header}</tr>{body}</table></div>'
 

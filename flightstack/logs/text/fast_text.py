@@ -19,7 +19,7 @@ Places = NDArray[np.int64]
 Part = str | NDArray[np.generic]  # of a line: a constant, (n,) numbers, or (n, width) Bytes
 ONE_DIGIT = (1e-10, 1e-5)  # between these orjson writes e-7 where `str` writes e-07
 NO_EXPONENT = (1e-5, 1e-4)  # between these orjson writes no exponent, but `str` does
-LONGEST_NUMBER = 24  # -2.2250738585072014e-308
+MAX_NUMBER_LENGTH = 24  # -2.2250738585072014e-308
 Rewritten = tuple[NDArray[np.intp], Bytes]  # rows, and their new texts
 
 
@@ -100,7 +100,7 @@ def _cut(listed: Bytes) -> Cells:
 def _matrix(listed: Bytes, cells: Cells, rows: NDArray[np.intp]) -> Bytes:
     """Return the numbers in these rows as a matrix, padded with NUL."""
     length = cells.length[rows, None]
-    count = np.arange(LONGEST_NUMBER)
+    count = np.arange(MAX_NUMBER_LENGTH)
     matrix = listed[np.minimum(cells.start[rows, None] + count, len(listed) - 1)]
     return np.where(count < length, matrix, np.uint8(0))
 
@@ -110,8 +110,8 @@ def _rewritten(values: NDArray[np.float64], listed: Bytes, cells: Cells) -> Iter
     size = np.abs(values)
     small = np.flatnonzero(size < NO_EXPONENT[1])
     size = size[small]
-    for (least, most), rewritten in REWRITTEN:
-        rows = small[(size >= least) & (size < most)]
+    for (low, high), rewritten in REWRITTEN:
+        rows = small[(size >= low) & (size < high)]
         if len(rows):
             yield rows, rewritten(_matrix(listed, cells, rows))
 

@@ -18,12 +18,12 @@ from flightstack.logs.text.lines import LineOptions, lines
 from flightstack.logs.text.summary_text import one_line, page
 from tests.paths import GOLDEN
 from tests.unit.flightstack.logs.made_flights import make_flight
-from tests.unit.flightstack.logs.made_logs import START_US, random_frames, record
+from tests.unit.flightstack.logs.made_logs import START_US, random_packets, record
 
 SOURCES = {
     "made": make_flight(4.0),
     "golden": GOLDEN.read_bytes(),
-    "random": b"".join(record(START_US + i, raw) for i, raw in enumerate(random_frames(800, 5))),
+    "random": b"".join(record(START_US + i, raw) for i, raw in enumerate(random_packets(800, 5))),
 }
 
 

@@ -12,7 +12,7 @@ from flightstack.logs.errors import LogFileError
 from tests.unit.flightstack.logs.made_flights import make_flight
 
 
-def test_pieces_of_any_size_give_every_frame_once() -> None:
+def test_pieces_of_any_size_give_every_packet_once() -> None:
     data = make_flight(3.0)
     expected = read_bytes(data)
     rng = np.random.default_rng(1)
@@ -20,9 +20,9 @@ def test_pieces_of_any_size_give_every_frame_once() -> None:
     while at < len(data):
         size = int(rng.integers(1, 3000))
         log = reader.feed(data[at : at + size])
-        found += list(zip(log.time_us.tolist(), log.frames.sequence.tolist(), strict=True))
+        found += list(zip(log.time_us.tolist(), log.packets.sequence.tolist(), strict=True))
         at += size
-    sequence = expected.frames.sequence.tolist()
+    sequence = expected.packets.sequence.tolist()
     assert found == list(zip(expected.time_us.tolist(), sequence, strict=True))
 
 

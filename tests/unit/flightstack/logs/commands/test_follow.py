@@ -35,8 +35,8 @@ def test_follow_listens_to_a_live_link() -> None:
     command = [sys.executable, "-m", "flightstack.logs", "follow", link, "--json", "--seconds", "6"]
     log = read_bytes(make_flight(3.0))
     data = log.source.read(0, log.source.size).tobytes()
-    frames = zip(log.frames.offset.tolist(), log.frames.end.tolist(), strict=True)
-    datagrams = [data[start:end] for start, end in frames]
+    packets = zip(log.packets.offset.tolist(), log.packets.end.tolist(), strict=True)
+    datagrams = [data[start:end] for start, end in packets]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=os.environ) as running:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             deadline = time.monotonic() + 5.0

@@ -1,4 +1,4 @@
-"""Where every frame of a log lies: one row a frame, as arrays."""
+"""Where every packet of a log lies: one row a packet, as arrays."""
 
 from dataclasses import dataclass, fields
 
@@ -14,19 +14,19 @@ HEADER_V2 = 10
 CHECKSUM = 2
 SIGNATURE = 13
 TIMESTAMP = 8
-MAX_FRAME = HEADER_V2 + 255 + CHECKSUM + SIGNATURE
-MARGIN = 2 * (MAX_FRAME + TIMESTAMP)  # what starts so far before an end has its neighbour whole
+MAX_PACKET = HEADER_V2 + 255 + CHECKSUM + SIGNATURE
+MARGIN = 2 * (MAX_PACKET + TIMESTAMP)  # what starts so far before an end has its neighbour whole
 
-IS_V2 = 1  # bits of Frames.flags
+IS_V2 = 1  # bits of Packets.flags
 IS_SIGNED = 2
 IS_UNKNOWN = 4  # its id is not in the dialect
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Frames:
-    """The index of a log, in file order; all arrays have one entry a frame."""
+class Packets:
+    """The index of a log, in file order; all arrays have one entry a packet."""
 
-    offset: NDArray[np.int64]  # of the frame's first byte (0xFD or 0xFE) in the file
+    offset: NDArray[np.int64]  # of the packet's first byte (0xFD or 0xFE) in the file
     time_us: NDArray[np.int64]  # since 1970, as recorded, or NO_TIME
     msgid: NDArray[np.uint32]
     system: NDArray[np.uint8]
@@ -39,9 +39,9 @@ class Frames:
     def __len__(self) -> int:
         return len(self.offset)
 
-    def take(self, rows: NDArray[np.intp] | NDArray[np.bool_] | slice) -> "Frames":
-        """Return the frames of these rows."""
-        return Frames(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+    def take(self, rows: NDArray[np.intp] | NDArray[np.bool_] | slice) -> "Packets":
+        """Return the packets of these rows."""
+        return Packets(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
     @property
     def header_length(self) -> NDArray[np.uint8]:
@@ -50,7 +50,7 @@ class Frames:
 
     @property
     def end(self) -> NDArray[np.int64]:
-        """Offset of the first byte after each frame, its signature included."""
+        """Offset of the first byte after each packet, its signature included."""
         signed = self.flags & IS_SIGNED
         tail = np.where(signed, np.uint8(CHECKSUM + SIGNATURE), np.uint8(CHECKSUM))
         ends = self.offset + self.length
@@ -58,11 +58,11 @@ class Frames:
         return ends
 
 
-def no_frames() -> Frames:
+def no_packets() -> Packets:
     """Return an empty index."""
     byte = np.empty(0, dtype=np.uint8)
     wide = np.empty(0, dtype=np.int64)
-    return Frames(
+    return Packets(
         offset=wide,
         time_us=wide,
         msgid=np.empty(0, dtype=np.uint32),
@@ -75,11 +75,11 @@ def no_frames() -> Frames:
     )
 
 
-def join(parts: list[Frames]) -> Frames:
+def join(parts: list[Packets]) -> Packets:
     """Return all parts as one index, emptying `parts` on the way so that memory stays bounded."""
     if not parts:
-        return no_frames()
-    names = [field.name for field in fields(Frames)]
+        return no_packets()
+    names = [field.name for field in fields(Packets)]
     columns = {name: [getattr(part, name) for part in parts] for name in names}
     parts.clear()  # from here on, each column's pieces go as soon as they are joined
-    return Frames(**{name: np.concatenate(columns.pop(name)) for name in names})
+    return Packets(**{name: np.concatenate(columns.pop(name)) for name in names})
