@@ -26,12 +26,11 @@ NOT_OFFBOARD = (Level.SKIPPED, "nothing was flown in OFFBOARD")
 )
 def course(flight: Flight) -> Verdict:
     """Judge how the course ended."""
-    events = flight.course_events
-    failure = next((event for event in events if event.is_failure), None)
+    failure = flight.first_failure
     if failure is not None:
         at_s = flight.seconds(failure.time_us)
         return Level.ERROR, f"{failure.text}, at {at_s:.1f} s, after {flight.gates_passed} gates"
-    if not events:
+    if not flight.course_events:
         return Level.SKIPPED, "no referee in the log"
     return Level.OK, f"{flight.gates_passed} gates passed, none failed"
 

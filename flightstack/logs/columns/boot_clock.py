@@ -13,12 +13,13 @@ BOOT_FIELD = "time_boot_ms"
 
 def _clock_rows(packets: Packets) -> tuple[int, NDArray[np.intp]]:
     """Return the message with a boot time that one sender sends most, and its rows; else none."""
-    sender = packets.system.astype(np.int64) << 8 | packets.component
-    keys, counts = np.unique(packets.msgid.astype(np.int64) << 16 | sender, return_counts=True)
+    keys, counts = np.unique(
+        packets.msgid.astype(np.int64) << 16 | packets.sender, return_counts=True
+    )
     for key in keys[np.argsort(-counts)].tolist():
         known = message_type(key >> 16)
         if known is not None and any(field.name == BOOT_FIELD for field in known.fields):
-            rows = np.flatnonzero((packets.msgid == key >> 16) & (sender == key & 0xFFFF))
+            rows = np.flatnonzero((packets.msgid == key >> 16) & (packets.sender == key & 0xFFFF))
             return known.id, rows
     return -1, np.empty(0, dtype=np.intp)
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.tlog.byte_view import at_every_byte
 from flightstack.logs.tlog.packets import Packets
 from flightstack.logs.tlog.source import WINDOW_BYTES, ByteSource
 
@@ -17,8 +18,7 @@ def _fill(rows: Bytes, window: Bytes, at: NDArray[np.int64], length: NDArray[np.
     room = int(at.max()) + size - len(window)
     if room > 0:
         window = np.concatenate((window, np.zeros(room, dtype=np.uint8)))
-    every_row = np.ndarray((len(window) - size + 1,), dtype=f"V{size}", buffer=window, strides=(1,))
-    rows[:] = every_row[at].view(np.uint8).reshape(len(at), size)
+    rows[:] = at_every_byte(window, f"V{size}")[at].view(np.uint8).reshape(len(at), size)
     if int(length.min()) < size:
         rows[np.arange(size) >= length[:, None]] = 0
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.reading import read
-from flightstack.logs.errors import LogFileError
+from flightstack.logs.commands.arguments import names_in, writing
 from flightstack.logs.text.lines import LineOptions, csv_columns, lines
 from flightstack.logs.tlog.packets import LINK_BITS, NO_TIME
 
@@ -24,10 +24,6 @@ def seconds_window(log: Log, arguments: Namespace) -> tuple[int | None, int | No
     bounds = (arguments.start, arguments.end)
     first, last = (None if s is None else start_us + round(s * 1e6) for s in bounds)
     return first, last
-
-
-def _names(given: str | None) -> list[str]:
-    return [name.strip() for name in given.split(",") if name.strip()] if given else []
 
 
 def _reduced(log: Log, rate_hz: float) -> NDArray[np.bool_]:
@@ -53,7 +49,7 @@ def _holds(condition: str, log: Log, part: Log) -> NDArray[np.bool_]:
 
 def chosen(arguments: Namespace) -> Log:
     """Read the part of the log that all filters let through."""
-    types = _names(arguments.types) or None
+    types = names_in(arguments.types) or None
     looks_beyond = (arguments.condition, arguments.start, arguments.end)  # the types asked for
     is_part = all(given is None for given in looks_beyond)
     log = read(arguments.log, types=types if is_part else None)
@@ -63,7 +59,7 @@ def chosen(arguments: Namespace) -> Log:
     part = log.select(
         types=types, system=system, component=component, start_us=start_us, end_us=end_us
     )
-    if left_out := _names(arguments.nottypes):
+    if left_out := names_in(arguments.nottypes):
         part = part.rows(~np.isin(part.packets.msgid, part.matching_ids(left_out)))
     if arguments.link is not None:
         part = part.rows((part.packets.time_us & LINK_BITS) == arguments.link)
@@ -78,12 +74,9 @@ def write_tlog(log: Log, path: "Path") -> None:
     """Write the log's packets to a new tlog, each with its time."""
     times = np.where(log.packets.time_us == NO_TIME, log.time_us, log.packets.time_us)
     rows = (times.view(np.uint64).tolist(), log.packets.offset.tolist(), log.packets.end.tolist())
-    try:
-        with path.open("wb") as file:
-            for stamp, start, end in zip(*rows, strict=True):
-                file.write(struct.pack(">Q", stamp) + log.source.read(start, end).tobytes())
-    except OSError as error:
-        raise LogFileError(f"{path} cannot be written: {error.strerror}") from error
+    with writing(path, remedy=""), path.open("wb") as file:
+        for stamp, start, end in zip(*rows, strict=True):
+            file.write(struct.pack(">Q", stamp) + log.source.read(start, end).tobytes())
 
 
 def run(arguments: Namespace) -> int:
@@ -98,7 +91,7 @@ def run(arguments: Namespace) -> int:
     if arguments.quiet:
         return 0
     kind = "json" if arguments.json else arguments.format
-    types = _names(arguments.types)
+    types = names_in(arguments.types)
     columns = csv_columns(part, types) if kind == "csv" else ()
     options = LineOptions(
         format=kind,

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from flightstack.logs.columns.live import GrowingFile, PieceReader, at_times, open_link
 from flightstack.logs.columns.log import Log
+from flightstack.logs.commands.arguments import names_in
 from flightstack.logs.facts.events import LiveEvents
 from flightstack.logs.facts.values import Facts
 from flightstack.logs.text.lines import LineOptions, lines
@@ -47,7 +48,7 @@ def run(arguments: Namespace) -> int:
         if is_file
         else open_link(arguments.source)
     )
-    types = arguments.types.split(",") if arguments.types else []
+    types = names_in(arguments.types)
     reader, events = PieceReader(), LiveEvents()
     started = rated = time.monotonic()
     while not arguments.seconds or time.monotonic() - started < arguments.seconds:

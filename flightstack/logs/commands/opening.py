@@ -11,9 +11,9 @@ from flightstack.logs.flight.flight import Flight
 LOG_ENDINGS = (".tlog", ".mavlink", ".rlog", ".raw")
 
 
-def open_flight(arguments: Namespace) -> Flight:
-    """Return the flight of the log that a command was given."""
-    return Flight(read(arguments.log), system=arguments.system)
+def open_flight(log: str | Path, system: int | None) -> Flight:
+    """Return the flight of a log that a command was given."""
+    return Flight(read(log), system=system)
 
 
 def use_checks(arguments: Namespace) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from flightstack.libraries import load_pyplot
 from flightstack.logs.columns.expression import series
+from flightstack.logs.commands.arguments import writing
 from flightstack.logs.commands.opening import open_flight
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight.flight import Flight
@@ -64,9 +65,8 @@ def draw(flight: Flight, arguments: Namespace, output: Path) -> None:
     figure.suptitle(Path(flight.log.name).name, fontsize=10)
     figure.tight_layout()
     try:
-        figure.savefig(output, dpi=120)
-    except OSError as error:
-        raise LogFileError(f"{output} cannot be written: {error.strerror}; use -o") from error
+        with writing(output):
+            figure.savefig(output, dpi=120)
     finally:
         pyplot.close(figure)
 
@@ -76,7 +76,7 @@ def run(arguments: Namespace) -> int:
     output: Path = arguments.output or Path(arguments.log).with_suffix(".png")
     if output.suffix.lower() not in ENDINGS:
         raise LogFileError(f"-o {output}: name a file that ends in {', '.join(ENDINGS)}")
-    flight = open_flight(arguments)
+    flight = open_flight(arguments.log, arguments.system)
     with np.errstate(all="ignore"):
         draw(flight, arguments, output)
     print(json.dumps({"plot": str(output)}) if arguments.json else f"wrote {output}")

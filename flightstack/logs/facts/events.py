@@ -47,9 +47,8 @@ class LiveEvents:
 
     def _texts(self, log: Log) -> Iterator[Facts]:
         for text in status_texts(log):
-            source = f"{text.system}/{text.component}"
             about = {"event": "text", "level": text.level, "text": text.text}
-            yield {"time_us": text.time_us, "source": source, **about}
+            yield {"time_us": text.time_us, "source": text.source, **about}
 
     def _gates(self, log: Log) -> Iterator[Facts]:
         reached = log["MISSION_ITEM_REACHED"]

@@ -13,8 +13,7 @@ def message_facts(log: Log) -> Iterator[Facts]:
     """Yield for every type and source how many, how often, from when to when."""
     start_us = int(log.time_us[0]) if len(log) else 0
     packets = log.packets
-    key = packets.msgid.astype(np.int64) << 16
-    key |= packets.system.astype(np.int64) << 8 | packets.component
+    key = packets.msgid.astype(np.int64) << 16 | packets.sender
     order = np.argsort(key, kind="stable")
     keys, first, counts = np.unique(key[order], return_index=True, return_counts=True)
     for value, start, count in zip(keys.tolist(), first.tolist(), counts.tolist(), strict=True):

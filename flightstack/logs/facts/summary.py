@@ -10,7 +10,6 @@ from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.vehicle import Interval
 
 MIN_FLIGHT_S = 0.5
-UNKNOWN_VOLTAGE = 65535
 UNKNOWN_REMAINING = -1
 
 
@@ -49,9 +48,7 @@ def flight_facts(flight: Flight) -> Facts:
 
 def battery_facts(flight: Flight) -> Facts | None:
     """Return voltage and charge at both ends of the log; None where nothing was reported."""
-    table = flight.of_vehicle("SYS_STATUS")
-    table = table.take(table["voltage_battery"] != UNKNOWN_VOLTAGE)
-    table = table.take(table["voltage_battery"] > 0)
+    table = flight.battery
     if not len(table):
         return None
     volts = table["voltage_battery"] * 1e-3
@@ -69,10 +66,9 @@ def battery_facts(flight: Flight) -> Facts | None:
 def link_facts(flight: Flight) -> list[Facts]:
     """Return for every sender its messages, rate and loss."""
     log = flight.log
-    sender = log.packets.system.astype(np.uint16) << 8 | log.packets.component
     facts = []
     for loss in log.losses:
-        times = log.time_us[sender == (loss.system << 8 | loss.component)]
+        times = log.time_us[log.packets.sender == (loss.system << 8 | loss.component)]
         duration_s = float(times.max() - times.min()) * 1e-6
         facts.append(
             {
@@ -133,6 +129,19 @@ def course_facts(flight: Flight) -> Facts | None:
     }
 
 
+def text_facts(flight: Flight) -> list[Facts]:
+    """Return every status text with its time and source."""
+    return [
+        {
+            "at_s": rounded(flight.seconds(text.time_us)),
+            "source": text.source,
+            "level": text.level,
+            "text": text.text,
+        }
+        for text in flight.texts
+    ]
+
+
 def damage_facts(flight: Flight) -> Facts:
     """Return what the file has lost, and where."""
     damage = flight.log.damage
@@ -179,15 +188,7 @@ def summarise(flight: Flight, findings: list[Finding]) -> Facts:
         "battery": battery_facts(flight),
         "links": link_facts(flight),
         "counts": flight.log.counts,
-        "texts": [
-            {
-                "at_s": rounded(flight.seconds(text.time_us)),
-                "source": f"{text.system}/{text.component}",
-                "level": text.level,
-                "text": text.text,
-            }
-            for text in flight.texts
-        ],
+        "texts": text_facts(flight),
         "damage": damage_facts(flight),
         "checks": [finding.as_facts() for finding in findings],
     }

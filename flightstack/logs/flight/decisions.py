@@ -11,6 +11,7 @@ VELOCITIES = ("vx", "vy", "vz", "yaw rate")  # body frame: forward, right, down;
 UNITS = ("m/s", "m/s", "m/s", "rad/s")
 ALL_MEMBERS = -1  # the decision pooled every member
 LINEAR = slice(0, 3)
+PARTS = ("aleatoric", "epistemic", "perceptual")  # of the uncertainty
 
 Floats = NDArray[np.float64]
 

@@ -14,6 +14,21 @@ STANDING_M_S = 0.3  # slower than this is noise of the estimate, not a way flown
 Floats = NDArray[np.float64]
 
 
+def interpolated(
+    times: NDArray[np.int64],
+    known_at: NDArray[np.int64],
+    values: Floats,
+    outside: float | None = None,
+) -> Floats:
+    """Return values at times, each column linearly; beyond what is known `outside`, or the ends."""
+    if not len(known_at):
+        return np.full((len(times), values.shape[1]), np.nan)
+    base = int(known_at[0])
+    x, known = (times - base).astype(np.float64), (known_at - base).astype(np.float64)
+    columns = [np.interp(x, known, column, left=outside, right=outside) for column in values.T]
+    return np.stack(columns, axis=1)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Motion:
     """Position and velocity over time, in a local north-east-down frame."""
@@ -57,7 +72,7 @@ class Motion:
 
 
 def _local(log: Log, vehicle: LoggedVehicle) -> Motion:
-    table = log["LOCAL_POSITION_NED"].where(system=vehicle.system, component=vehicle.component)
+    table = vehicle.sent(log, "LOCAL_POSITION_NED")
     return Motion(
         source=table.name,
         time_us=table.time_us,
@@ -67,7 +82,7 @@ def _local(log: Log, vehicle: LoggedVehicle) -> Motion:
 
 
 def _global(log: Log, vehicle: LoggedVehicle) -> Motion:
-    table = log["GLOBAL_POSITION_INT"].where(system=vehicle.system, component=vehicle.component)
+    table = vehicle.sent(log, "GLOBAL_POSITION_INT")
     has_fix = (table["lat"] != 0) | (table["lon"] != 0)
     table = table.take(has_fix)
     lat, lon = np.radians(table["lat"] * 1e-7), np.radians(table["lon"] * 1e-7)

@@ -112,7 +112,7 @@ def camera_answers(log: Log, setpoints: VelocitySetpoints, offboard: list[Interv
 def boot_offset_us(log: Log, vehicle: LoggedVehicle) -> int | None:
     """Return log time minus vehicle time: the smallest seen, that of the fastest datagram."""
     for name in ("ATTITUDE", "LOCAL_POSITION_NED", "ATTITUDE_QUATERNION"):
-        table = log[name].where(system=vehicle.system, component=vehicle.component)
+        table = vehicle.sent(log, name)
         if len(table):
             return int((table.time_us - table["time_boot_ms"].astype(np.int64) * 1000).min())
     return None

@@ -19,6 +19,11 @@ class LoggedText:
     text: str
 
     @property
+    def source(self) -> str:
+        """Who said it: system/component."""
+        return f"{self.system}/{self.component}"
+
+    @property
     def level(self) -> str:
         """The severity's name, lower case."""
         return enum_name("MAV_SEVERITY", self.severity).removeprefix("MAV_SEVERITY_").lower()

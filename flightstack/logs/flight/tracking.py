@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs.columns.log import Log
-from flightstack.logs.flight.motion import Motion
+from flightstack.logs.flight.motion import Motion, interpolated
 from flightstack.logs.flight.setpoints import VelocitySetpoints, within
 from flightstack.logs.flight.vehicle import Interval, LoggedVehicle
 
@@ -54,22 +54,13 @@ class Tracking:
         )
 
 
-def _interpolate(times: NDArray[np.int64], at: NDArray[np.int64], values: Floats) -> Floats:
-    """Return values at times, each column linearly; NaN outside of what is known."""
-    if not len(at):
-        return np.full((len(times), values.shape[1]), np.nan)
-    base = int(at[0])
-    x, known = (times - base).astype(np.float64), (at - base).astype(np.float64)
-    columns = [np.interp(x, known, column, left=np.nan, right=np.nan) for column in values.T]
-    return np.stack(columns, axis=1)
-
-
 def _response(log: Log, vehicle: LoggedVehicle, motion: Motion, times: NDArray[np.int64]) -> Floats:
     """Return velocity north, east, down, yaw rate and yaw at these times, (n, 5)."""
-    attitude = log["ATTITUDE"].where(system=vehicle.system, component=vehicle.component)
+    attitude = vehicle.sent(log, "ATTITUDE")
     turning = np.stack([attitude["yawspeed"], np.unwrap(attitude["yaw"])], axis=1)
-    velocity = _interpolate(times, motion.time_us, motion.velocity_ned)
-    return np.hstack([velocity, _interpolate(times, attitude.time_us, turning.astype(np.float64))])
+    velocity = interpolated(times, motion.time_us, motion.velocity_ned, outside=np.nan)
+    turned = interpolated(times, attitude.time_us, turning.astype(np.float64), outside=np.nan)
+    return np.hstack([velocity, turned])
 
 
 def track(

@@ -41,6 +41,10 @@ class LoggedVehicle:
     autopilot: int  # MAV_AUTOPILOT
     type: int  # MAV_TYPE
 
+    def sent(self, log: Log, name: str) -> Table:
+        """Return the messages of a type that its autopilot sent."""
+        return log[name].where(system=self.system, component=self.component)
+
     @property
     def kind(self) -> str:
         """Autopilot and type for people."""
@@ -58,10 +62,9 @@ def find_vehicle(log: Log, system: int | None = None) -> LoggedVehicle | None:
     beats = beats.take(is_autopilot)
     if not len(beats):
         return None
-    sender = beats.system.astype(np.uint16) << 8 | beats.component
-    senders, counts = np.unique(sender, return_counts=True)
+    senders, counts = np.unique(beats.packets.sender, return_counts=True)
     chosen = int(senders[counts.argmax()])
-    row = int(np.flatnonzero(sender == chosen)[-1])
+    row = int(np.flatnonzero(beats.packets.sender == chosen)[-1])
     return LoggedVehicle(
         system=chosen >> 8,
         component=chosen & 0xFF,

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs.flight.course import CourseEvent
+from flightstack.logs.flight.decisions import LINEAR, PARTS
 from flightstack.logs.flight.flight import Flight
 
 LOOK_BACK_S = 2.0
@@ -34,6 +35,10 @@ class Moment:
     predictions: Floats  # (N, 4) mean of each member; N is 0 where they were not recorded
     image: Path | None
 
+    def std_m_s(self, part: str) -> float:
+        """Return the length of one of PARTS of the uncertainty over the linear velocities."""
+        return float(np.linalg.norm(getattr(self, f"{part}_std")[LINEAR]))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FailedGate:
@@ -41,6 +46,14 @@ class FailedGate:
 
     event: CourseEvent
     moments: tuple[Moment, ...]
+
+    def max_std_m_s(self) -> float:
+        """Return the largest part of the uncertainty of any moment."""
+        return max(moment.std_m_s(part) for moment in self.moments for part in PARTS)
+
+    def velocities(self) -> Floats:
+        """Return all commands and predictions, (k, 4)."""
+        return np.vstack([np.vstack([m.command, m.predictions]) for m in self.moments])
 
 
 def images_folder(flight: Flight) -> Path:
@@ -58,7 +71,7 @@ def find_failure(
     flight: Flight, folder: Path | None = None, seconds: float = LOOK_BACK_S
 ) -> FailedGate | None:
     """Return the first failed gate and the moments before it; None where nothing failed."""
-    event = next((event for event in flight.course_events if event.is_failure), None)
+    event = flight.first_failure
     if event is None:
         return None
     decisions, members = flight.decisions, flight.members

@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 MAX_POINTS = 6000  # of one line; more only slow the page down
 INK, MUTED, GRID = "#1c2733", "#6b7785", "#e6eaee"
 SETPOINT, RESPONSE = "#9aa5b1", "#1f6feb"
-PARTS = {"aleatoric": "#e69f00", "epistemic": "#d1495b", "perceptual": "#2a9d8f"}
+PART_COLOURS = {"aleatoric": "#e69f00", "epistemic": "#d1495b", "perceptual": "#2a9d8f"}
 UNCERTAINTY_SCALE = [[0.0, "#2f7fc1"], [0.45, "#f2c14e"], [1.0, "#c1272d"]]
 MODE_COLOURS = {
     "OFFBOARD": "#1f6feb",

@@ -47,10 +47,7 @@ def checks_table(findings: Iterable[Finding]) -> str:
 
 def texts_table(flight: Flight) -> str:
     """Return all status texts."""
-    rows = (
-        (f"{flight.seconds(t.time_us):.2f}", f"{t.system}/{t.component}", t.level, t.text)
-        for t in flight.texts
-    )
+    rows = ((f"{flight.seconds(t.time_us):.2f}", t.source, t.level, t.text) for t in flight.texts)
     return table(("s", "source", "level", "text"), rows, {0})
 
 

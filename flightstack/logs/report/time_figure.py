@@ -11,7 +11,7 @@ from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.setpoints import boot_offset_us, stamp_latency_ms
 from flightstack.logs.report.plotting import (
     INK,
-    PARTS,
+    PART_COLOURS,
     RESPONSE,
     SETPOINT,
     Floats,
@@ -65,7 +65,7 @@ def _uncertainty_row(flight: Flight) -> list[PlotRow]:
         return []
     x = _seconds(flight, decisions.time_us)
     traces = []
-    for name, colour in PARTS.items():
+    for name, colour in PART_COLOURS.items():
         std = getattr(decisions, f"{name}_std")[:, LINEAR]
         length = np.asarray(np.linalg.norm(std, axis=1), dtype=np.float64)
         traces.append(line(x, length, name, colour))
@@ -139,8 +139,7 @@ def _attitude_row(flight: Flight) -> list[PlotRow]:
 
 
 def _battery_row(flight: Flight) -> list[PlotRow]:
-    table = flight.of_vehicle("SYS_STATUS")
-    table = table.take((table["voltage_battery"] > 0) & (table["voltage_battery"] < 65535))
+    table = flight.battery
     if len(table) < 2:
         return []
     x, volts = _seconds(flight, table.time_us), table["voltage_battery"] * 1e-3
@@ -178,7 +177,7 @@ def _event_traces(flight: Flight) -> list[Json]:
                     "name": name,
                     "showlegend": False,
                     "marker": {"symbol": symbol, "size": 9, "color": colour},
-                    "hovertext": [f"{text.system}/{text.component} {text.text}" for text in texts],
+                    "hovertext": [f"{text.source} {text.text}" for text in texts],
                     "hoverinfo": "text+x",
                 }
             )

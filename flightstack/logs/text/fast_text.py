@@ -14,6 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.tlog.byte_view import at_every_byte
+
 Bytes = NDArray[np.uint8]
 Places = NDArray[np.int64]
 Part = str | NDArray[np.generic]  # of a line: a constant, (n,) numbers, or (n, width) Bytes
@@ -75,11 +77,6 @@ def from_texts(values: Sequence[str]) -> Bytes:
     array = np.array([value.encode(errors="replace") for value in values], dtype=np.bytes_)
     width = max(array.itemsize, 1)
     return array.view(np.uint8).reshape(-1, width) if len(array) else np.empty((0, 1), np.uint8)
-
-
-def _pieces(flat: Bytes, width: int) -> NDArray[np.void]:
-    """Return what stands at each place, so many bytes of it: a view."""
-    return np.ndarray((len(flat) - width + 1,), f"V{width}", buffer=flat, strides=(1,))
 
 
 def _from_matrix(matrix: Bytes, pool: Pool) -> Cells:
@@ -227,10 +224,11 @@ def beside(parts: Sequence[Part], count: int) -> Lines:
     size = int(places[-1, -1]) + width
     text = np.empty(size + room, dtype=np.uint8)
     to = places[:, :-1] + np.array(shifts, dtype=np.int64)
-    _pieces(text, room)[to] = _pieces(pool.joined(room), room)[cells.start]
+    piece = f"V{room}"
+    at_every_byte(text, piece)[to] = at_every_byte(pool.joined(room), piece)[cells.start]
     for place, shift, block in fixed:
-        pieces = block.reshape(-1).view(f"V{block.shape[1]}")
-        _pieces(text, block.shape[1])[places[:, place] + shift] = pieces
+        piece = f"V{block.shape[1]}"
+        at_every_byte(text, piece)[places[:, place] + shift] = block.reshape(-1).view(piece)
     return Lines(text[:size], places[:, -1] + width)
 
 

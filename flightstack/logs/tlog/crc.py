@@ -11,6 +11,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.tlog.byte_view import at_every_byte
+
 POLYNOMIAL = 0x8408  # x^16 + x^12 + x^5 + 1, reflected
 INITIAL = 0xFFFF
 ROW_STEP = 8  # rows are multiples of this wide, so that few widths occur
@@ -81,10 +83,7 @@ def checksums(
     for steps in np.flatnonzero(np.bincount(step_counts)).tolist():
         members = np.flatnonzero(step_counts == steps)
         width = steps * ROW_STEP
-        every_row = np.ndarray(
-            (len(data) - width + 1,), dtype=f"V{width}", buffer=data, strides=(1,)
-        )
         first = starts[members] + lengths[members] - width
-        rows = every_row[first].view(np.uint8).reshape(len(members), width)
+        rows = at_every_byte(data, f"V{width}")[first].view(np.uint8).reshape(len(members), width)
         result[members] = _row_checksums(rows, lengths[members])
     return result

@@ -7,13 +7,11 @@ from numpy.typing import NDArray
 
 from flightstack.logs.tlog import clock
 from flightstack.logs.tlog.packets import (
-    CHECKSUM,
-    HEADER_V1,
     HEADER_V2,
     LINK_BITS,
-    SIGNATURE,
     TIMESTAMP,
     Packets,
+    packet_length,
 )
 from flightstack.logs.tlog.source import ByteSource
 
@@ -73,21 +71,9 @@ class Damage:
         return not (self.regions or self.jumps or self.mended_times or self.duplicates)
 
 
-def _packet_length(head: NDArray[np.uint8]) -> int:
-    """Return how long the packet is that starts with `head`, 0 where it is none."""
-    if len(head) < 3:
-        return 0
-    magic, length, incompatible = head[:3].tolist()
-    if magic == 0xFE:
-        return int(HEADER_V1 + length + CHECKSUM)
-    if magic == 0xFD and incompatible <= 1:
-        return int(HEADER_V2 + length + CHECKSUM + SIGNATURE * incompatible)
-    return 0
-
-
 def _kind(source: ByteSource, offset: int, length: int) -> str:
     head = source.read(offset, offset + TIMESTAMP + HEADER_V2)
-    expected = _packet_length(head[TIMESTAMP:])
+    expected = packet_length(head[TIMESTAMP:])
     if offset + length == source.size and (length < TIMESTAMP + 3 or expected > length - TIMESTAMP):
         return "cut"
     return "damaged frame" if expected == length - TIMESTAMP else "foreign bytes"
@@ -124,8 +110,7 @@ def _region(source: ByteSource, offset: int, length: int, time_us: int) -> Regio
 def count_duplicates(packets: Packets, times: NDArray[np.int64]) -> int:
     """Return how many records repeat one before: same time, sender, sequence and message."""
     key = packets.msgid.astype(np.int64) << 24
-    key |= packets.system.astype(np.int64) << 16 | packets.component.astype(np.int64) << 8
-    key |= packets.sequence
+    key |= packets.sender.astype(np.int64) << 8 | packets.sequence
     order = np.lexsort((key, times))
     same = (np.diff(times[order]) == 0) & (np.diff(key[order]) == 0)
     return int(np.count_nonzero(same))
@@ -165,10 +150,9 @@ def _stream_steps(sequence: NDArray[np.uint8], link: NDArray[np.uint8]) -> tuple
 
 def find_losses(packets: Packets) -> tuple[SourceLoss, ...]:
     """Return what the sequence numbers of every sender tell, in order of system and component."""
-    sender = packets.system.astype(np.uint16) << 8 | packets.component
     losses = []
-    for key in np.unique(sender).tolist():
-        rows = sender == key
+    for key in np.unique(packets.sender).tolist():
+        rows = packets.sender == key
         link = (packets.time_us[rows] & LINK_BITS).astype(np.uint8)
         lost, repeated, reordered = _stream_steps(packets.sequence[rows], link)
         losses.append(

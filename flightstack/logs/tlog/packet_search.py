@@ -14,20 +14,21 @@ from numpy.typing import NDArray
 
 from flightstack.logs.dialect.message_types import packet_tables
 from flightstack.logs.tlog import crc
+from flightstack.logs.tlog.byte_view import at_every_byte
 from flightstack.logs.tlog.packets import (
     CHECKSUM,
     HEADER_V1,
     HEADER_V2,
     IS_SIGNED,
     IS_V2,
+    MAGIC_V2,
     NO_TIME,
     SIGNATURE,
+    SIGNED_FLAG,
     TIMESTAMP,
     Packets,
 )
 
-MAGIC_V2 = 0xFD
-SIGNED_FLAG = 0x01
 MIN_PACKET = HEADER_V1 + CHECKSUM
 SEARCH_BLOCK = 1 << 17
 PLAUSIBLE_TIME_US = (10**15, 41 * 10**14)  # 2001 to 2099
@@ -166,7 +167,7 @@ def record_times(data: Bytes, position: Positions, free_from: Positions) -> Posi
     if len(data) < TIMESTAMP:
         return times
     stamped = position - TIMESTAMP >= free_from
-    words = np.ndarray((len(data) - TIMESTAMP + 1,), dtype=">u8", buffer=data, strides=(1,))
+    words = at_every_byte(data, ">u8")
     times[stamped] = words[position[stamped] - TIMESTAMP].astype(np.uint64).view(np.int64)
     return times
 

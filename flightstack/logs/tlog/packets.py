@@ -9,6 +9,8 @@ NO_TIME = np.iinfo(np.int64).min  # time_us of a record whose eight bytes of tim
 
 LINK_BITS = 3  # MAVProxy writes the number of the link into the low two bits of the time
 
+MAGIC_V1, MAGIC_V2 = 0xFE, 0xFD  # first byte
+SIGNED_FLAG = 0x01  # third byte of version 2; other flags are of no known packet
 HEADER_V1 = 6
 HEADER_V2 = 10
 CHECKSUM = 2
@@ -44,6 +46,11 @@ class Packets:
         return Packets(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
     @property
+    def sender(self) -> NDArray[np.uint16]:
+        """System and component of each packet in one number, system << 8 | component."""
+        return self.system.astype(np.uint16) << np.uint16(8) | self.component
+
+    @property
     def header_length(self) -> NDArray[np.uint8]:
         """Bytes before each payload."""
         return np.where(self.flags & IS_V2, np.uint8(HEADER_V2), np.uint8(HEADER_V1))
@@ -56,6 +63,18 @@ class Packets:
         ends = self.offset + self.length
         ends += self.header_length + tail
         return ends
+
+
+def packet_length(head: NDArray[np.uint8]) -> int:
+    """Return how many bytes the packet has that starts with `head`, 0 where none starts so."""
+    if len(head) < 3:
+        return 0
+    magic, length, incompatible = head[:3].tolist()
+    if magic == MAGIC_V1:
+        return int(HEADER_V1 + length + CHECKSUM)
+    if magic == MAGIC_V2 and incompatible <= SIGNED_FLAG:
+        return int(HEADER_V2 + length + CHECKSUM + SIGNATURE * incompatible)
+    return 0
 
 
 def no_packets() -> Packets:

@@ -12,17 +12,18 @@ from numpy.typing import NDArray
 
 from flightstack.logs.dialect.message_types import packet_tables
 from flightstack.logs.tlog import crc
+from flightstack.logs.tlog.packet_search import record_times
 from flightstack.logs.tlog.packets import (
-    CHECKSUM,
     HEADER_V1,
     HEADER_V2,
     IS_SIGNED,
     IS_UNKNOWN,
     IS_V2,
-    NO_TIME,
-    SIGNATURE,
+    MAGIC_V2,
+    SIGNED_FLAG,
     TIMESTAMP,
     Packets,
+    packet_length,
 )
 
 NO_EXTRA = -1
@@ -44,17 +45,11 @@ def _unknown_end(data: NDArray[np.uint8], at: int) -> int:
     """Return where a packet of an unknown message at `at` ends, -1 where there is none."""
     if at + HEADER_V2 > len(data):
         return -1
-    magic, length, incompatible = data[at : at + 3].tolist()
-    if magic == 0xFD and incompatible <= 1:
-        low, middle, high = data[at + 7 : at + 10].tolist()
-        msgid = low | middle << 8 | high << 16
-        end = at + HEADER_V2 + length + CHECKSUM + SIGNATURE * incompatible
-    elif magic == 0xFE:
-        msgid = int(data[at + 5])
-        end = at + HEADER_V1 + length + CHECKSUM
-    else:
-        return -1
-    return -1 if msgid in _known_ids() or end > len(data) else int(end)
+    head = data[at : at + HEADER_V2]
+    length = packet_length(head)
+    id_bytes = head[7:10] if head[0] == MAGIC_V2 else head[5:6]
+    is_known = int.from_bytes(id_bytes.tobytes(), "little") in _known_ids()
+    return -1 if not length or is_known or at + length > len(data) else at + length
 
 
 def _walk(data: NDArray[np.uint8], gap: tuple[int, int], limit: int) -> list[int]:
@@ -105,20 +100,19 @@ def find_unknown(
     if not places:
         return None
     at = np.array(places, dtype=np.int64)
-    is_v2 = data[at] == 0xFD
+    is_v2 = data[at] == MAGIC_V2
     header = np.where(is_v2, HEADER_V2, HEADER_V1)
     length = data[at + 1].astype(np.int64)
     extra = _inferred_extra(data, at, header - 1 + length)
     wide_id = (
         data[at + 7] | data[at + 8].astype(np.uint32) << 8 | data[at + 9].astype(np.uint32) << 16
     )
-    words = np.ndarray((len(data) - 7,), dtype=">u8", buffer=data, strides=(1,))
-    has_time = (at >= TIMESTAMP) & ~np.isin(at, np.r_[np.int64(free_from), packets.end])
+    is_at_edge = np.isin(at, np.r_[np.int64(free_from), packets.end])  # so without a time
     sequence_at = at + np.where(is_v2, 4, 2)
-    flags = IS_UNKNOWN + is_v2 * (IS_V2 + IS_SIGNED * (data[at + 2] == 1))
+    flags = IS_UNKNOWN + is_v2 * (IS_V2 + IS_SIGNED * (data[at + 2] == SIGNED_FLAG))
     found = Packets(
         offset=at,
-        time_us=np.where(has_time, words[at - TIMESTAMP].astype(np.int64), NO_TIME),
+        time_us=record_times(data, at, np.where(is_at_edge, at, 0)),
         msgid=np.where(is_v2, wide_id, data[at + 5]).astype(np.uint32),
         system=data[sequence_at + 1],
         component=data[sequence_at + 2],
