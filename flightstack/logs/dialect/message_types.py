@@ -125,9 +125,3 @@ def enum_name(enum: str, value: int) -> str:
     """Return the name of an enumeration's value without the common prefix of its enumeration."""
     entry = mavlink().enums.get(enum, {}).get(value)
     return str(value) if entry is None else str(entry.name)
-
-
-def bitmask_names(enum: str, value: int) -> list[str]:
-    """Return the names of all bits that are set in `value`."""
-    entries = mavlink().enums.get(enum, {})
-    return [str(entry.name) for bit, entry in entries.items() if bit and value & bit == bit]

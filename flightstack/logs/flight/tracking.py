@@ -43,16 +43,6 @@ class Tracking:
         rms: Floats = np.sqrt(np.nansum(square, axis=0) / np.where(counts, counts, np.nan))
         return rms
 
-    def tail(self, until_us: int, seconds: float) -> "Tracking":
-        """Return the last seconds before a time."""
-        keep = (self.time_us <= until_us) & (self.time_us > until_us - seconds * 1e6)
-        return Tracking(
-            time_us=self.time_us[keep],
-            frame=self.frame,
-            setpoint=self.setpoint[keep],
-            response=self.response[keep],
-        )
-
 
 def _response(log: Log, vehicle: LoggedVehicle, motion: Motion, times: NDArray[np.int64]) -> Floats:
     """Return velocity north, east, down, yaw rate and yaw at these times, (n, 5)."""

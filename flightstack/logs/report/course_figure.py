@@ -34,16 +34,7 @@ def _both_views(points: Floats, trace: Json, shown: str) -> list[Json]:
     """Return a trace in the view from above and the view from the side."""
     north, east, down = points.T
     above = {**trace, "x": packed(east), "y": packed(north), "name": shown, "legendgroup": shown}
-    side = {
-        **trace,
-        "x": packed(east),
-        "y": packed(-down),
-        "name": shown,
-        "legendgroup": shown,
-        "showlegend": False,
-        "xaxis": "x2",
-        "yaxis": "y2",
-    }
+    side = {**above, "y": packed(-down), "showlegend": False, "xaxis": "x2", "yaxis": "y2"}
     return [above, side]
 
 
