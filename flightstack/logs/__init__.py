@@ -8,10 +8,10 @@
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from flightstack.logs.columns.log import Log
+    from flightstack.logs.columns.reading import read, read_bytes, read_windows
+    from flightstack.logs.columns.table import Table
     from flightstack.logs.errors import LogFileError
-    from flightstack.logs.tlog.log import Log
-    from flightstack.logs.tlog.reading import read, read_bytes, read_windows
-    from flightstack.logs.tlog.table import Table
 
 __all__ = ["Log", "LogFileError", "Table", "read", "read_bytes", "read_windows"]
 
@@ -21,7 +21,7 @@ def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from flightstack.logs import errors  # noqa: PLC0415
-    from flightstack.logs.tlog import log, reading, table  # noqa: PLC0415
+    from flightstack.logs.columns import log, reading, table  # noqa: PLC0415
 
     homes = (errors, log, reading, table)
     return next(getattr(home, name) for home in homes if hasattr(home, name))

@@ -1,8 +1,6 @@
 """Run the command line: python -m flightstack.logs."""
 
-import gc
+from flightstack.logs.cli import main
+from flightstack.logs.process import leave
 
-gc.disable()  # while importing: what imports make stays
-from flightstack.logs.cli import run_and_leave  # noqa: E402
-
-run_and_leave()
+leave(main())

@@ -1,27 +1,20 @@
 """The command line: python -m flightstack.logs LOG."""
 
 import argparse
-import gc
-import importlib
 import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
 from functools import cache
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, NamedTuple
 
 from flightstack.errors import FlightstackError
+from flightstack.logs.process import imported, keep_freed_memory, single_threaded_numpy
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 DESCRIPTION = "Inspect MAVLink logs (tlogs). A bare path gives the summary."
 PROGRAM = "python -m flightstack.logs"
-# glibc keeps freed memory for the next window, rather than give it back page by page, up to twice
-# the largest block that it saw freed. The next block, a little smaller, is of the memory that is
-# kept, and numpy asks that huge pages back it, as it does for every large block.
-KEPT_BYTES = 16 << 20
-LEAVES_NOTHING = "dump"  # behind for Python to clear away, which takes 6 ms
 HELP_WIDTH = 78  # where no terminal says how wide it is
 
 
@@ -109,7 +102,7 @@ def _add_compare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("other", type=_path, metavar="OTHER")
 
 
-class Command(NamedTuple):
+class LogCommand(NamedTuple):
     """What the command line says of a command; its code is the module of that name."""
 
     about: str
@@ -118,20 +111,22 @@ class Command(NamedTuple):
 
 
 COMMANDS = {
-    "summary": Command(
+    "summary": LogCommand(
         "what happened, on one page; a line a log for folders", _add_summary, takes_log=False
     ),
-    "messages": Command("every type by source: count, rate, first and last"),
-    "texts": Command("status texts"),
-    "params": Command("parameters and their changes", _add_params),
-    "dump": Command("every message as text, JSON or CSV, as mavlogdump prints them", _add_dump),
-    "plot": Command("fields over time, on a background of flight modes", _add_plot),
-    "report": Command("one HTML page with all of the flight", _add_report),
-    "check": Command("health checks, worst first", _add_check),
-    "why": Command("the seconds before a gate was missed", _add_why),
-    "export": Command("CSV, Parquet, or MCAP for Foxglove", _add_export),
-    "compare": Command("two logs side by side", _add_compare),
-    "follow": Command("a log that is being written, or a live link", _add_follow, takes_log=False),
+    "messages": LogCommand("every type by source: count, rate, first and last"),
+    "texts": LogCommand("status texts"),
+    "params": LogCommand("parameters and their changes", _add_params),
+    "dump": LogCommand("every message as text, JSON or CSV, as mavlogdump prints them", _add_dump),
+    "plot": LogCommand("fields over time, on a background of flight modes", _add_plot),
+    "report": LogCommand("one HTML page with all of the flight", _add_report),
+    "check": LogCommand("health checks, worst first", _add_check),
+    "why": LogCommand("the seconds before a gate was missed", _add_why),
+    "export": LogCommand("CSV, Parquet, or MCAP for Foxglove", _add_export),
+    "compare": LogCommand("two logs side by side", _add_compare),
+    "follow": LogCommand(
+        "a log that is being written, or a live link", _add_follow, takes_log=False
+    ),
 }
 
 
@@ -180,23 +175,11 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     return build_parser(given[:1]).parse_args(given)
 
 
-def _imported(name: str) -> Any:
-    """Import a module without looking for garbage: what it makes stays."""
-    gc.disable()
-    try:
-        return importlib.import_module(name)
-    finally:
-        gc.freeze()
-        gc.enable()
-
-
 def run(arguments: argparse.Namespace) -> int:
     """Run one command and return its exit code."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy then starts in half the time
-    module = _imported(f"flightstack.logs.commands.{arguments.command}")
-    numpy = _imported("numpy")
-    for size in (KEPT_BYTES, KEPT_BYTES - (1 << 12)):
-        numpy.empty(size, dtype="u1")  # freed at once
+    numpy = single_threaded_numpy()
+    module = imported(f"flightstack.logs.commands.{arguments.command}")
+    keep_freed_memory(numpy)
     with numpy.errstate(all="ignore"):  # logs hold NaN and worse
         code: int = module.run(arguments)
     return code
@@ -221,14 +204,3 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"error: {error}", file=sys.stderr)
         return error.exit_code
     return code
-
-
-def run_and_leave() -> NoReturn:
-    """Run the command line, and end the process with its exit code."""
-    code = main()
-    if sys.argv[1:2] == [LEAVES_NOTHING]:
-        with suppress(BrokenPipeError):  # the reader went away, and what is left is of no use
-            sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(code)
-    raise SystemExit(code)

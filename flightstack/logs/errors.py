@@ -17,7 +17,3 @@ class UnknownNameError(UsageError, KeyError):
 
 class ExpressionError(UsageError):
     """A condition or a field expression does not parse, or cannot be computed."""
-
-
-class MissingLibraryError(UsageError):
-    """An optional library is not installed."""

@@ -25,8 +25,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from flightstack.logs import read, read_bytes
 from flightstack.logs.tlog.chain import find_chained
-from flightstack.logs.tlog.frames import TIMESTAMP
-from flightstack.logs.tlog.framing import Bytes, Positions
+from flightstack.logs.tlog.packet_search import Bytes, Positions
+from flightstack.logs.tlog.packets import TIMESTAMP
 from flightstack.logs.tlog.source import MemorySource
 
 MESSAGES = 200_000
@@ -191,8 +191,8 @@ def measure_dump(path: Path, folder: Path, rounds: int) -> None:
 
 def first_record(path: Path) -> bytes:
     """Return the first record of a log."""
-    frame_end = int(read(path).frames.end[0])
-    return path.read_bytes()[:frame_end]
+    packet_end = int(read(path).packets.end[0])
+    return path.read_bytes()[:packet_end]
 
 
 def measure_summary(path: Path, rounds: int) -> None:
@@ -245,14 +245,14 @@ def damaged(clean: Bytes, edges: Positions, rng: np.random.Generator) -> Bytes:
 def fuzz(count: int, seed: int) -> None:
     """Read so many damaged inputs, whole and along their chain of records.
 
-    An exception ends the run, and so does a chain that tells of other frames than the whole read.
+    An exception ends the run, and so does a chain that tells of other packets than the whole read.
     """
     rng = np.random.default_rng(seed)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "log.tlog"
         make_log(path, 2000)
-        clean, frames = np.fromfile(path, dtype=np.uint8), read(path).frames
-    edges = np.append(frames.offset - TIMESTAMP, len(clean))
+        clean, packets = np.fromfile(path, dtype=np.uint8), read(path).packets
+    edges = np.append(packets.offset - TIMESTAMP, len(clean))
     asked = sorted(RATES)[:4]
     found = chained = 0
     for index in range(1, count + 1):
@@ -263,11 +263,11 @@ def fuzz(count: int, seed: int) -> None:
         along = find_chained(MemorySource(data), asked)
         if along is not None:
             chained += 1
-            same = log.frames.offset[np.isin(log.frames.msgid, asked)]
+            same = log.packets.offset[np.isin(log.packets.msgid, asked)]
             if not np.array_equal(along.offset, same):
                 raise AssertionError(f"input {index} of seed {seed}: {along.offset}, not {same}")
         if index % 5000 == 0 or index == count:
-            print(f"{index} inputs, {found} frames, {chained} unbroken, no exception", flush=True)
+            print(f"{index} inputs, {found} packets, {chained} unbroken, no exception", flush=True)
 
 
 def main() -> None:

@@ -14,13 +14,13 @@ from flightstack.evaluation.campaign.flying import fly, models_of
 from flightstack.evaluation.campaign.folder import ROWS, Folder, read_trials
 from flightstack.evaluation.campaign.options import jobs_of
 from flightstack.evaluation.campaign.unwritable import told_if_unwritable
-from flightstack.evaluation.libraries import MissingLibraryError
 from flightstack.evaluation.pictures.gallery import Draw, draw_all
 from flightstack.evaluation.results import writing
 from flightstack.evaluation.results.summary import Pair, Summary, summarise
 from flightstack.evaluation.trials.brought_code import code_of
 from flightstack.evaluation.trials.experiment import Experiment
 from flightstack.evaluation.trials.rows import TrialRow
+from flightstack.libraries import MissingLibraryError
 
 NO_PICTURES: Mapping[str, Draw] = {}
 SHOWN = 2  # sections on the terminal: the title and the first table

@@ -17,13 +17,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Judge, print the tables, write JSON and pictures."""
     # Here, not above: --help must not wait for torch.
-    from flightstack.evaluation.libraries import load_library  # noqa: PLC0415
     from flightstack.evaluation.offline.material import Material, make_material  # noqa: PLC0415
     from flightstack.evaluation.offline.measuring import judge, recipe_of  # noqa: PLC0415
     from flightstack.evaluation.offline.report import print_tables, write_results  # noqa: PLC0415
+    from flightstack.libraries import load_library  # noqa: PLC0415
 
     for library in ("scoringrules", "sklearn.metrics", "matplotlib"):
-        load_library(library)  # now, not after minutes of work
+        load_library(library, "evaluation")  # now, not after minutes of work
     recipes = {name: recipe_of(name) for name in options.model}
     made: dict[str, Material] = {
         recipe: make_material(

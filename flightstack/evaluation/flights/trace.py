@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.errors import UsageError
+from flightstack.logs.columns.log import Log
 from flightstack.logs.flight.course import find_gates
 from flightstack.logs.flight.decisions import Decisions
-from flightstack.logs.tlog.log import Log
 
 Floats = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy.stats import gaussian_kde, norm
 
 from flightstack import models
-from flightstack.evaluation.libraries import load_pyplot
 from flightstack.evaluation.offline.predicting import Predictor
 from flightstack.evaluation.offline.scenes import DOUBLE_GATE, render_scene
+from flightstack.libraries import load_pyplot
 from flightstack.records import VELOCITIES, ActionSamples
 
 LATENT_DRAWS = 32  # times M samples, for smooth latent densities
@@ -31,7 +31,7 @@ def draw_ambiguity(name: str, folder: Path, *, seed: int) -> Path:
     z = np.concatenate([predictor.latents(image) for _ in range(LATENT_DRAWS)])
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "ambiguity.png"
-    plt = load_pyplot()
+    plt = load_pyplot("evaluation")
     figure = plt.figure(figsize=(20, 8), layout="constrained")
     left, right = figure.subfigures(1, 2, width_ratios=(2, 4))
     _draw_seen(left, image, z)

@@ -8,9 +8,9 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from flightstack.evaluation.libraries import load_pyplot
 from flightstack.evaluation.offline.measuring import BAND_M, Judgement
 from flightstack.evaluation.offline.predicting import PARTS
+from flightstack.libraries import load_pyplot
 from flightstack.perception.labels import LABELS
 from flightstack.records import VELOCITIES
 
@@ -81,7 +81,7 @@ def _decisions(judged: list[Judgement]) -> Table:
 
 
 def _draw_calibration(judged: list[Judgement], path: Path) -> None:
-    plt = load_pyplot()
+    plt = load_pyplot("evaluation")
     figure, axes = plt.subplots(1, len(VELOCITIES), figsize=(14, 4), layout="constrained")
     for name, plot in zip(VELOCITIES, axes, strict=True):
         plot.plot([0, 1], [0, 1], color="grey", linewidth=0.8)
@@ -96,7 +96,7 @@ def _draw_calibration(judged: list[Judgement], path: Path) -> None:
 
 
 def _draw_auroc(judged: list[Judgement], path: Path) -> None:
-    plt = load_pyplot()
+    plt = load_pyplot("evaluation")
     shape = {"figsize": (10, 3 * len(judged)), "layout": "constrained", "squeeze": False}
     figure, axes = plt.subplots(len(judged), 1, **shape)
     for one, plot in zip(judged, axes[:, 0], strict=True):

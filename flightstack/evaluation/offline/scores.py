@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from flightstack.evaluation.libraries import load_library
+from flightstack.libraries import load_library
 
 LEVELS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)  # central intervals
 CHUNK = 32  # images whose CRPS is computed at once: it compares all pairs of components
@@ -21,7 +21,7 @@ def mixture_scores(
     target: NDArray[np.float64],  # (K,)
 ) -> dict[str, float]:
     """NLL in nats, CRPS and RMSE in the velocity's unit, averaged over the images."""
-    rules = load_library("scoringrules")
+    rules = load_library("scoringrules", "evaluation")
     std = np.sqrt(var)
     starts = range(0, len(target), CHUNK)
     crps = [
@@ -46,5 +46,5 @@ def coverage_curve(
 def detection(plain: NDArray[np.float64], odd: NDArray[np.float64]) -> float:
     """AUROC of a score that ought to be higher on odd images than on plain ones."""
     truth = np.concatenate([np.zeros(len(plain)), np.ones(len(odd))])
-    metrics = load_library("sklearn.metrics")
+    metrics = load_library("sklearn.metrics", "evaluation")
     return float(metrics.roc_auc_score(truth, np.concatenate([plain, odd])))

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.evaluation.flights.trace import Trace
-from flightstack.evaluation.libraries import load_library
 from flightstack.evaluation.pictures.style import INK, MUTED, new_figure, plain
+from flightstack.libraries import load_library
 from flightstack.logs.flight.course import DEFAULT_HALF_OPENING_M
 
 PANEL_IN = 3.1
@@ -59,8 +59,8 @@ def colour_scale(uncertainty: Sequence[NDArray[np.float64]]) -> Any:
     """Return one scale for all panels, from zero to what nearly all decisions stay below."""
     known = np.concatenate([values[np.isfinite(values)] for values in uncertainty])
     most = float(np.percentile(known, BRIGHTEST)) if len(known) else 1.0
-    norm = load_library("matplotlib.colors").Normalize(0.0, most or 1.0)
-    return load_library("matplotlib.cm").ScalarMappable(norm, COLOUR_MAP)
+    norm = load_library("matplotlib.colors", "evaluation").Normalize(0.0, most or 1.0)
+    return load_library("matplotlib.cm", "evaluation").ScalarMappable(norm, COLOUR_MAP)
 
 
 def gate_bars(gates: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -71,7 +71,7 @@ def gate_bars(gates: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _draw_panel(plot: Any, ways: Sequence[Way], scale: Any) -> None:
-    lines = load_library("matplotlib.collections").LineCollection
+    lines = load_library("matplotlib.collections", "evaluation").LineCollection
     for way in ways:
         bars = gate_bars(way.trace.gates)
         plot.add_collection(lines(bars, zorder=1, **GATES))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from flightstack.evaluation.libraries import load_library
+from flightstack.libraries import load_library
 
 GROUND, INK, MUTED, RULE = "#ffffff", "#1c2733", "#6b7785", "#dfe4e9"
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#1c2733")
@@ -36,10 +36,10 @@ def looks(names: Sequence[str]) -> dict[str, Look]:
 
 def new_figure(width_in: float, height_in: float) -> Any:
     """Return an empty matplotlib figure; raises MissingLibraryError without matplotlib."""
-    figure = load_library("matplotlib.figure").Figure(
+    figure = load_library("matplotlib.figure", "evaluation").Figure(
         figsize=(width_in, height_in), layout="constrained", facecolor=GROUND
     )
-    load_library("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
+    load_library("matplotlib.backends.backend_agg", "evaluation").FigureCanvasAgg(figure)
     return figure
 
 

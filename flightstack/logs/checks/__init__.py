@@ -8,7 +8,7 @@
 """
 
 from flightstack.logs.checks import log_health, motion_health, offboard_health
-from flightstack.logs.checks.face import (
+from flightstack.logs.checks.registry import (
     Check,
     Finding,
     Level,

@@ -1,6 +1,6 @@
 """Checks of the log itself: losses, damage, clock, and how it ends."""
 
-from flightstack.logs.checks.face import Level, Verdict, check, graded
+from flightstack.logs.checks.registry import Level, Verdict, check, graded
 from flightstack.logs.flight.flight import Flight
 
 LOSS_WARNING = 0.01
@@ -27,7 +27,7 @@ def link_loss(flight: Flight) -> Verdict:
 @check(
     "file_damage",
     title="File damage",
-    meaning="Bytes that are no frame: the file was cut, has holes, or was written by two "
+    meaning="Bytes that are no packet: the file was cut, has holes, or was written by two "
     "programs. Everything with a good checksum was read all the same.",
 )
 def file_damage(flight: Flight) -> Verdict:

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from flightstack.logs.checks.face import Level, Verdict, check, graded
+from flightstack.logs.checks.registry import Level, Verdict, check, graded
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.setpoints import within
 
 OSCILLATION_HZ = (2.0, 12.0)  # slower is flying, faster is vibration that telemetry cannot show
 OSCILLATION_RAD_S = 0.35  # root mean square of a rate within that band
-LEAST_SAMPLES = 64
+MIN_SAMPLES = 64
 JUMP_M = 0.5  # more than the velocity explains
 JUMP_M_S = 1.5
 MOTOR_LIMITS_US = (1005, 1995)  # of SERVO_OUTPUT_RAW while flying
@@ -50,7 +50,7 @@ def oscillation(flight: Flight) -> Verdict:
     """Judge the swing of the body rates within a band of frequencies."""
     table = flight.of_vehicle("ATTITUDE")
     table = table.take(within(table.time_us, flight.flying))
-    if len(table) < LEAST_SAMPLES:
+    if len(table) < MIN_SAMPLES:
         return Level.SKIPPED, "too little attitude in flight"
     step_s = float(np.median(np.diff(table.time_us))) * 1e-6
     if step_s <= 0 or 0.5 / step_s < OSCILLATION_HZ[0]:
@@ -119,13 +119,13 @@ def motor_saturation(flight: Flight) -> Verdict:
     "by itself.",
 )
 def battery(flight: Flight) -> Verdict:
-    """Judge the least charge that was reported."""
+    """Judge the lowest charge that was reported."""
     remaining = flight.of_vehicle("SYS_STATUS")["battery_remaining"]
     known = remaining[remaining >= 0]
     if not len(known):
         return Level.SKIPPED, "no battery state in the log"
-    least = int(known.min())
-    reason = f"{least} % at the least"
-    if least < CRITICAL_PERCENT:
+    lowest = int(known.min())
+    reason = f"{lowest} % at the least"
+    if lowest < CRITICAL_PERCENT:
         return Level.ERROR, reason
-    return (Level.WARNING if least < LOW_PERCENT else Level.OK), reason
+    return (Level.WARNING if lowest < LOW_PERCENT else Level.OK), reason

@@ -1,16 +1,16 @@
-"""Checks of the companion's part: setpoints, frames, latency, tracking."""
+"""Checks of the companion's part: setpoints, images, latency, tracking."""
 
 import numpy as np
 
-from flightstack.logs.checks.face import Level, Verdict, check, graded
+from flightstack.logs.checks.registry import Level, Verdict, check, graded
 from flightstack.logs.flight.decisions import UNITS, VELOCITIES
 from flightstack.logs.flight.flight import Flight
 
-SLOWEST_HZ = 2.0  # PX4 documents more than 2 Hz for OFFBOARD
+MIN_RATE_HZ = 2.0  # PX4 documents more than 2 Hz for OFFBOARD
 LOSS_S = 1.0  # PX4 COM_OF_LOSS_T: OFFBOARD is left after this long without a setpoint
-STALE_MS = 100.0  # two frames at 20 Hz: the setpoint answers what is long past
-LATE_MS = 50.0  # one frame at 20 Hz
-LEAST_ANSWERED = 0.95
+STALE_MS = 100.0  # two images at 20 Hz: the setpoint answers what is long past
+LATE_MS = 50.0  # one image at 20 Hz
+MIN_ANSWERED_SHARE = 0.95
 SLOW_RESPONSE_S = 0.5
 TRACKING_LIMITS = (0.5, 0.5, 0.5, 0.3)  # m/s, m/s, m/s, rad/s: root mean square
 SATURATED_SHARE = 0.2
@@ -26,12 +26,11 @@ NOT_OFFBOARD = (Level.SKIPPED, "nothing was flown in OFFBOARD")
 )
 def course(flight: Flight) -> Verdict:
     """Judge how the course ended."""
-    events = flight.course_events
-    failure = next((event for event in events if event.is_failure), None)
+    failure = flight.first_failure
     if failure is not None:
         at_s = flight.seconds(failure.time_us)
         return Level.ERROR, f"{failure.text}, at {at_s:.1f} s, after {flight.gates_passed} gates"
-    if not events:
+    if not flight.course_events:
         return Level.SKIPPED, "no referee in the log"
     return Level.OK, f"{flight.gates_passed} gates passed, none failed"
 
@@ -52,9 +51,9 @@ def setpoint_rate(flight: Flight) -> Verdict:
     longest_s = float(np.diff(times).max()) * 1e-6
     rate_hz = len(times) / max(sum(span.duration_s for span in flight.offboard), 1e-3)
     reason = f"{rate_hz:.1f} Hz, longest gap {longest_s:.2f} s"
-    if longest_s >= LOSS_S or rate_hz < SLOWEST_HZ:
+    if longest_s >= LOSS_S or rate_hz < MIN_RATE_HZ:
         return Level.ERROR, reason
-    return (Level.WARNING if longest_s > 1 / SLOWEST_HZ else Level.OK), reason
+    return (Level.WARNING if longest_s > 1 / MIN_RATE_HZ else Level.OK), reason
 
 
 @check(
@@ -64,12 +63,12 @@ def setpoint_rate(flight: Flight) -> Verdict:
     "skipped because the decision took too long, or lost on the way.",
 )
 def frames_answered(flight: Flight) -> Verdict:
-    """Judge the share of camera frames that were answered."""
-    if not flight.answers.frames:
+    """Judge the share of camera images that were answered."""
+    if not flight.answers.images:
         return Level.SKIPPED, "no camera triggers in the log while OFFBOARD"
     answers = flight.answers
-    reason = f"{answers.answered} of {answers.frames} frames answered ({answers.fraction:.1%})"
-    return (Level.OK if answers.fraction >= LEAST_ANSWERED else Level.WARNING), reason
+    reason = f"{answers.answered} of {answers.images} frames answered ({answers.fraction:.1%})"
+    return (Level.OK if answers.fraction >= MIN_ANSWERED_SHARE else Level.WARNING), reason
 
 
 @check(
@@ -79,7 +78,7 @@ def frames_answered(flight: Flight) -> Verdict:
     "setpoint more than one frame late steers by an outdated picture.",
 )
 def stale_frames(flight: Flight) -> Verdict:
-    """Judge how late setpoints follow their frames."""
+    """Judge how late setpoints follow their images."""
     latency_ms = flight.answers.latency_ms
     if not len(latency_ms):
         return Level.SKIPPED, "no setpoint carries the stamp of a camera trigger"

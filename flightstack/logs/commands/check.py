@@ -11,7 +11,7 @@ from flightstack.logs.text.summary_text import check_lines
 def run(arguments: Namespace) -> int:
     """Print what every check finds; with --strict exit 1 if one finds an error."""
     use_checks(arguments)
-    flight = open_flight(arguments)
+    flight = open_flight(arguments.log, arguments.system)
     findings = run_checks(flight)
     if arguments.json:
         facts = [finding.as_facts() for finding in findings]

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from flightstack.logs.checks import run_checks
-from flightstack.logs.flight.flight import Flight
+from flightstack.logs.commands.opening import open_flight
+from flightstack.logs.facts.summary import summarise
+from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.parameters import read_parameters
-from flightstack.logs.text.summary import Facts, summarise
-from flightstack.logs.tlog.reading import read
 
 SKIPPED = ("log", "texts", "modes", "armed", "links", "damage", "checks", "failsafes", "counts")
 
@@ -26,13 +26,12 @@ def _flat(facts: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 def _facts(path: Path, system: int | None) -> tuple[Facts, Facts]:
     """Return the facts to compare, and the parameters."""
-    flight = Flight(read(path), system=system)
-    findings = run_checks(flight)
-    summary = summarise(flight, findings)
+    flight = open_flight(path, system)
+    summary = summarise(flight, run_checks(flight))
     chosen = {key: value for key, value in summary.items() if key not in SKIPPED}
     facts = dict(_flat(chosen))
     facts |= {f"messages.{name}": count for name, count in summary["counts"].items()}
-    facts |= {f"check.{finding.name}": finding.level.value for finding in findings}
+    facts |= {f"check.{check['name']}": check["level"] for check in summary["checks"]}
     return facts, dict(read_parameters(flight).values)
 
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.errors import LogFileError
+from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.reading import read
+from flightstack.logs.commands.arguments import names_in, writing
 from flightstack.logs.text.lines import LineOptions, csv_columns, lines
-from flightstack.logs.tlog.frames import LINK_BITS, NO_TIME
-from flightstack.logs.tlog.log import Log
-from flightstack.logs.tlog.reading import read
+from flightstack.logs.tlog.packets import LINK_BITS, NO_TIME
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -26,16 +26,12 @@ def seconds_window(log: Log, arguments: Namespace) -> tuple[int | None, int | No
     return first, last
 
 
-def _names(given: str | None) -> list[str]:
-    return [name.strip() for name in given.split(",") if name.strip()] if given else []
-
-
 def _reduced(log: Log, rate_hz: float) -> NDArray[np.bool_]:
-    """Return which frames to keep so that no type comes more often than this."""
+    """Return which packets to keep so that no type comes more often than this."""
     keep = np.zeros(len(log), dtype=np.bool_)
     step_us = 1e6 / rate_hz
-    for msgid in np.unique(log.frames.msgid).tolist():
-        rows = np.flatnonzero(log.frames.msgid == msgid)
+    for msgid in np.unique(log.packets.msgid).tolist():
+        rows = np.flatnonzero(log.packets.msgid == msgid)
         last_us = -np.inf
         for row, time_us in zip(rows.tolist(), log.time_us[rows].tolist(), strict=True):
             if time_us - last_us >= step_us or time_us < last_us:
@@ -45,15 +41,15 @@ def _reduced(log: Log, rate_hz: float) -> NDArray[np.bool_]:
 
 
 def _holds(condition: str, log: Log, part: Log) -> NDArray[np.bool_]:
-    """Return for which frames of a part of the log the condition holds."""
-    from flightstack.logs.text.expression import holds  # noqa: PLC0415  # it takes a while to import
+    """Return for which packets of a part of the log the condition holds."""
+    from flightstack.logs.columns.expression import holds  # noqa: PLC0415  # it takes a while to import
 
-    return holds(condition, log, np.searchsorted(log.frames.offset, part.frames.offset))
+    return holds(condition, log, np.searchsorted(log.packets.offset, part.packets.offset))
 
 
 def chosen(arguments: Namespace) -> Log:
     """Read the part of the log that all filters let through."""
-    types = _names(arguments.types) or None
+    types = names_in(arguments.types) or None
     looks_beyond = (arguments.condition, arguments.start, arguments.end)  # the types asked for
     is_part = all(given is None for given in looks_beyond)
     log = read(arguments.log, types=types if is_part else None)
@@ -63,10 +59,10 @@ def chosen(arguments: Namespace) -> Log:
     part = log.select(
         types=types, system=system, component=component, start_us=start_us, end_us=end_us
     )
-    if left_out := _names(arguments.nottypes):
-        part = part.rows(~np.isin(part.frames.msgid, part.matching_ids(left_out)))
+    if left_out := names_in(arguments.nottypes):
+        part = part.rows(~np.isin(part.packets.msgid, part.matching_ids(left_out)))
     if arguments.link is not None:
-        part = part.rows((part.frames.time_us & LINK_BITS) == arguments.link)
+        part = part.rows((part.packets.time_us & LINK_BITS) == arguments.link)
     if arguments.condition:
         part = part.rows(_holds(arguments.condition, log, part))
     if arguments.reduce_rate > 0:
@@ -75,15 +71,12 @@ def chosen(arguments: Namespace) -> Log:
 
 
 def write_tlog(log: Log, path: "Path") -> None:
-    """Write the log's frames to a new tlog, each with its time."""
-    times = np.where(log.frames.time_us == NO_TIME, log.time_us, log.frames.time_us)
-    rows = (times.view(np.uint64).tolist(), log.frames.offset.tolist(), log.frames.end.tolist())
-    try:
-        with path.open("wb") as file:
-            for stamp, start, end in zip(*rows, strict=True):
-                file.write(struct.pack(">Q", stamp) + log.source.read(start, end).tobytes())
-    except OSError as error:
-        raise LogFileError(f"{path} cannot be written: {error.strerror}") from error
+    """Write the log's packets to a new tlog, each with its time."""
+    times = np.where(log.packets.time_us == NO_TIME, log.time_us, log.packets.time_us)
+    rows = (times.view(np.uint64).tolist(), log.packets.offset.tolist(), log.packets.end.tolist())
+    with writing(path, remedy=""), path.open("wb") as file:
+        for stamp, start, end in zip(*rows, strict=True):
+            file.write(struct.pack(">Q", stamp) + log.source.read(start, end).tobytes())
 
 
 def run(arguments: Namespace) -> int:
@@ -98,7 +91,7 @@ def run(arguments: Namespace) -> int:
     if arguments.quiet:
         return 0
     kind = "json" if arguments.json else arguments.format
-    types = _names(arguments.types)
+    types = names_in(arguments.types)
     columns = csv_columns(part, types) if kind == "csv" else ()
     options = LineOptions(
         format=kind,

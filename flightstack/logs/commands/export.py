@@ -5,8 +5,9 @@ import json
 from argparse import Namespace
 from pathlib import Path
 
+from flightstack.logs.columns.reading import read
+from flightstack.logs.commands.arguments import names_in, writing
 from flightstack.logs.errors import LogFileError
-from flightstack.logs.tlog.reading import read
 
 ENDINGS = {"csv": "", "parquet": "", "mcap": ".mcap"}  # of the default output beside the log
 
@@ -24,15 +25,13 @@ def _format(arguments: Namespace) -> str:
 def run(arguments: Namespace) -> int:
     """Write the log in another format and say where."""
     kind = _format(arguments)
-    types = arguments.types.split(",") if arguments.types else None
+    types = names_in(arguments.types) or None
     log = read(arguments.log, types=types, system=arguments.system)
     default = Path(arguments.log).with_suffix(ENDINGS[kind] or f".{kind}")
     output: Path = arguments.output or default
     writer = importlib.import_module(f"flightstack.logs.export.{kind}")
-    try:
+    with writing(output):
         written = getattr(writer, f"write_{kind}")(log, output)
-    except OSError as error:
-        raise LogFileError(f"{output} cannot be written: {error.strerror}; use -o") from error
     if arguments.json:
         print(json.dumps({"written": [str(path) for path in written], "messages": len(log)}))
     else:

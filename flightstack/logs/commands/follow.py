@@ -5,16 +5,12 @@ import time
 from argparse import Namespace
 from pathlib import Path
 
-from flightstack.logs.flight.following import (
-    Facts,
-    GrowingFile,
-    PieceReader,
-    Watch,
-    at_times,
-    open_link,
-)
+from flightstack.logs.columns.live import GrowingFile, PieceReader, at_times, open_link
+from flightstack.logs.columns.log import Log
+from flightstack.logs.commands.arguments import names_in
+from flightstack.logs.facts.events import LiveEvents
+from flightstack.logs.facts.values import Facts
 from flightstack.logs.text.lines import LineOptions, lines
-from flightstack.logs.tlog.log import Log
 
 PAUSE_S = 0.05
 RATES_EVERY_S = 1.0
@@ -52,15 +48,15 @@ def run(arguments: Namespace) -> int:
         if is_file
         else open_link(arguments.source)
     )
-    types = arguments.types.split(",") if arguments.types else []
-    reader, watch = PieceReader(), Watch()
+    types = names_in(arguments.types)
+    reader, events = PieceReader(), LiveEvents()
     started = rated = time.monotonic()
     while not arguments.seconds or time.monotonic() - started < arguments.seconds:
         data = receive()
         log = reader.feed(data) if data else None
         if log is not None and len(log):
             log = log if is_file else at_times(log, time.time_ns() // 1000)
-            for event in watch.events(log):
+            for event in events.of(log):
                 _show(event, as_json=arguments.json)
             if types:
                 _messages(log, types, as_json=arguments.json)
@@ -68,6 +64,6 @@ def run(arguments: Namespace) -> int:
             time.sleep(PAUSE_S)
         now = time.monotonic()
         if now - rated >= RATES_EVERY_S:
-            _show(watch.rates(now - rated), as_json=arguments.json)
+            _show(events.rates(now - rated), as_json=arguments.json)
             rated = now
     return 0

@@ -3,8 +3,8 @@
 import json
 from argparse import Namespace
 
-from flightstack.logs.text.message_facts import message_facts
-from flightstack.logs.tlog.reading import read
+from flightstack.logs.columns.reading import read
+from flightstack.logs.facts.messages import message_facts
 
 
 def run(arguments: Namespace) -> int:

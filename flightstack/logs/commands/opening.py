@@ -4,16 +4,16 @@ from argparse import Namespace
 from pathlib import Path
 
 from flightstack.logs.checks import load_checks
+from flightstack.logs.columns.reading import read
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight.flight import Flight
-from flightstack.logs.tlog.reading import read
 
 LOG_ENDINGS = (".tlog", ".mavlink", ".rlog", ".raw")
 
 
-def open_flight(arguments: Namespace) -> Flight:
-    """Return the flight of the log that a command was given."""
-    return Flight(read(arguments.log), system=arguments.system)
+def open_flight(log: str | Path, system: int | None) -> Flight:
+    """Return the flight of a log that a command was given."""
+    return Flight(read(log), system=system)
 
 
 def use_checks(arguments: Namespace) -> None:

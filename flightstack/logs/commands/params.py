@@ -21,7 +21,7 @@ def _chosen(names: list[str], patterns: list[str], log: str) -> list[str]:
 
 def run(arguments: Namespace) -> int:
     """Print the last value of each parameter, and what changed."""
-    flight = open_flight(arguments)
+    flight = open_flight(arguments.log, arguments.system)
     parameters = read_parameters(flight)
     names = _chosen(list(parameters.values), arguments.names, flight.log.name)
     changes = [change for change in parameters.changes if change.name in set(names)]

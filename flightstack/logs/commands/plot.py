@@ -7,15 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from flightstack.libraries import load_pyplot
+from flightstack.logs.columns.expression import series
+from flightstack.logs.commands.arguments import writing
 from flightstack.logs.commands.opening import open_flight
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight.flight import Flight
-from flightstack.logs.report.matplotlib_loader import load_pyplot
 from flightstack.logs.report.plotting import mode_colour
-from flightstack.logs.text.expression import series
 
 ENDINGS = (".png", ".svg", ".pdf")
-LEAST_NAMED = 0.06  # of the width: narrower modes are coloured only
+MIN_NAMED_SHARE = 0.06  # of the width: narrower modes are coloured only
 
 
 def _background(axes: Any, flight: Flight, shown: tuple[float, float], *, named: bool) -> None:
@@ -25,7 +26,7 @@ def _background(axes: Any, flight: Flight, shown: tuple[float, float], *, named:
         if first >= last:
             continue
         axes.axvspan(first, last, color=mode_colour(span.label), alpha=0.15, linewidth=0)
-        if named and last - first > LEAST_NAMED * (shown[1] - shown[0]):
+        if named and last - first > MIN_NAMED_SHARE * (shown[1] - shown[0]):
             top = axes.get_xaxis_transform()
             axes.text((first + last) / 2, 1.02, span.label, transform=top, ha="center", fontsize=7)
 
@@ -42,7 +43,7 @@ def _groups(flight: Flight, fields: list[str]) -> dict[str, list[tuple[str, Any,
 
 def draw(flight: Flight, arguments: Namespace, output: Path) -> None:
     """Draw the fields to a file."""
-    pyplot = load_pyplot()
+    pyplot = load_pyplot("logs")
     groups = _groups(flight, arguments.fields)
     shown = (
         0.0 if arguments.start is None else arguments.start,
@@ -64,9 +65,8 @@ def draw(flight: Flight, arguments: Namespace, output: Path) -> None:
     figure.suptitle(Path(flight.log.name).name, fontsize=10)
     figure.tight_layout()
     try:
-        figure.savefig(output, dpi=120)
-    except OSError as error:
-        raise LogFileError(f"{output} cannot be written: {error.strerror}; use -o") from error
+        with writing(output):
+            figure.savefig(output, dpi=120)
     finally:
         pyplot.close(figure)
 
@@ -76,7 +76,7 @@ def run(arguments: Namespace) -> int:
     output: Path = arguments.output or Path(arguments.log).with_suffix(".png")
     if output.suffix.lower() not in ENDINGS:
         raise LogFileError(f"-o {output}: name a file that ends in {', '.join(ENDINGS)}")
-    flight = open_flight(arguments)
+    flight = open_flight(arguments.log, arguments.system)
     with np.errstate(all="ignore"):
         draw(flight, arguments, output)
     print(json.dumps({"plot": str(output)}) if arguments.json else f"wrote {output}")

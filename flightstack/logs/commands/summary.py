@@ -6,17 +6,16 @@ from argparse import Namespace
 from pathlib import Path
 
 from flightstack.logs.checks import run_checks
-from flightstack.logs.commands.opening import logs_in, use_checks
+from flightstack.logs.commands.opening import logs_in, open_flight, use_checks
 from flightstack.logs.errors import LogFileError
-from flightstack.logs.flight.flight import Flight
-from flightstack.logs.text.summary import Facts, summarise
+from flightstack.logs.facts.summary import summarise
+from flightstack.logs.facts.values import Facts
 from flightstack.logs.text.summary_text import one_line, page
-from flightstack.logs.tlog.reading import read
 
 
 def summary_of(path: Path, system: int | None) -> Facts:
     """Return the facts of one log."""
-    flight = Flight(read(path), system=system)
+    flight = open_flight(path, system)
     return summarise(flight, run_checks(flight))
 
 

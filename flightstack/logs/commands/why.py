@@ -6,14 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from flightstack.logs.commands.arguments import check_folder
 from flightstack.logs.commands.opening import open_flight
-from flightstack.logs.errors import LogFileError
-from flightstack.logs.flight.decisions import LINEAR, VELOCITIES
+from flightstack.logs.facts.values import Facts
+from flightstack.logs.flight.decisions import PARTS, VELOCITIES
 from flightstack.logs.flight.flight import Flight
-from flightstack.logs.flight.why import Failure, Moment, find_failure
-from flightstack.logs.text.summary import Facts
-
-PARTS = ("aleatoric", "epistemic", "perceptual")
+from flightstack.logs.flight.why import FailedGate, Moment, find_failure
 
 
 def _facts(moment: Moment) -> Facts:
@@ -25,19 +23,15 @@ def _facts(moment: Moment) -> Facts:
         "member": moment.member.tolist(),
         "modes": moment.modes.tolist(),
         "predictions": np.round(moment.predictions, 4).tolist(),
-        "frame": str(moment.frame) if moment.frame else None,
+        "frame": str(moment.image) if moment.image else None,
     }
-
-
-def _length(moment: Moment, part: str) -> str:
-    return f"{np.linalg.norm(getattr(moment, f'{part}_std')[LINEAR]):10.3f}"
 
 
 def _numbers(values: list[float]) -> str:
     return " ".join(f"{value:+6.2f}" for value in values)
 
 
-def _lines(flight: Flight, failure: Failure) -> Iterator[str]:
+def _lines(flight: Flight, failure: FailedGate) -> Iterator[str]:
     at_s = flight.seconds(failure.event.time_us)
     yield f"{failure.event.text}, at {at_s:.2f} s"
     if not failure.moments:
@@ -49,7 +43,7 @@ def _lines(flight: Flight, failure: Failure) -> Iterator[str]:
         + "  member     modes"
     )
     for moment in failure.moments:
-        parts = "  ".join(_length(moment, part) for part in PARTS)
+        parts = "  ".join(f"{moment.std_m_s(part):10.3f}" for part in PARTS)
         member = " ".join(map(str, moment.member.tolist()))
         modes = " ".join(map(str, moment.modes.tolist()))
         command = _numbers(moment.command.tolist())
@@ -61,9 +55,8 @@ def _lines(flight: Flight, failure: Failure) -> Iterator[str]:
 
 def run(arguments: Namespace) -> int:
     """Print the moments, or draw them."""
-    if arguments.frames is not None and not arguments.frames.is_dir():
-        raise LogFileError(f"--frames {arguments.frames}: no such folder")
-    flight = open_flight(arguments)
+    check_folder(arguments.frames)
+    flight = open_flight(arguments.log, arguments.system)
     failure = find_failure(flight, arguments.frames, arguments.seconds)
     if failure is None:
         print(json.dumps({"failure": None}) if arguments.json else "no gate was missed in this log")

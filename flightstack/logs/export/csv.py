@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
+from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.table import Table
 from flightstack.logs.text import fast_text
-from flightstack.logs.tlog.log import Log
-from flightstack.logs.tlog.table import Table
 
 CHUNK = 8_000
 QUOTED = (",", '"', "\n", "\r")

@@ -7,20 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from flightstack.logs.dialect.dialect import Field
-from flightstack.logs.errors import MissingLibraryError
-from flightstack.logs.tlog.log import Log
-from flightstack.logs.tlog.table import Table
+from flightstack.libraries import load_library
+from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.table import Table
+from flightstack.logs.dialect.message_types import Field
 
-CHUNK = 50_000  # frames that are decoded at once
-
-
-def _load() -> Any:
-    try:
-        from mcap.writer import Writer  # noqa: PLC0415
-    except ImportError as error:
-        raise MissingLibraryError("MCAP needs mcap: pip install mcap") from error
-    return Writer
+CHUNK = 50_000  # packets that are decoded at once
 
 
 def _field_schema(field: Field, kind: str) -> dict[str, Any]:
@@ -84,9 +76,9 @@ def _messages(part: Log) -> list[tuple[int, Table, tuple[int, int, int, int], by
 
 def write_mcap(log: Log, path: Path) -> list[Path]:
     """Write the log as one file and return its path."""
-    writer_type = _load()
+    mcap = load_library("mcap.writer", "logs")
     with path.open("wb") as file:
-        writer = writer_type(file)
+        writer = mcap.Writer(file)
         writer.start(profile="", library="flightstack")
         channels = _Channels(writer)
         for start in range(0, len(log), CHUNK):

@@ -1,23 +1,13 @@
 """Write each message type as a Parquet file, units in the columns' metadata."""
 
-import importlib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from flightstack.logs.errors import MissingLibraryError
-from flightstack.logs.tlog.log import Log
-from flightstack.logs.tlog.table import Table
-
-
-def _load() -> tuple[Any, Any]:
-    try:
-        arrow = importlib.import_module("pyarrow")
-        parquet = importlib.import_module("pyarrow.parquet")
-    except ImportError as error:
-        raise MissingLibraryError("Parquet needs pyarrow: pip install pyarrow") from error
-    return arrow, parquet
+from flightstack.libraries import load_library
+from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.table import Table
 
 
 def _arrow_table(arrow: Any, table: Table) -> Any:
@@ -45,7 +35,7 @@ def _arrow_table(arrow: Any, table: Table) -> Any:
 
 def write_parquet(log: Log, folder: Path) -> list[Path]:
     """Write one file a message type into a folder and return their paths."""
-    arrow, parquet = _load()
+    arrow, parquet = (load_library(name, "logs") for name in ("pyarrow", "pyarrow.parquet"))
     folder.mkdir(parents=True, exist_ok=True)
     written = []
     for name in log.counts:

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flightstack.logs.flight.texts import Text
-from flightstack.logs.tlog.log import Log
+from flightstack.logs.columns.log import Log
+from flightstack.logs.flight.texts import LoggedText
 
 REFEREE = 25  # MAV_COMP_ID_USER1
 LOCAL_SCALE = 1e-4  # MISSION_ITEM_INT counts local x and y in 0.1 mm
@@ -63,7 +63,7 @@ def _kind(text: str) -> str:
     return found or ("finished" if "finished" in start or "complete" in start else "other")
 
 
-def find_events(texts: list[Text]) -> list[CourseEvent]:
+def find_events(texts: list[LoggedText]) -> list[CourseEvent]:
     """Return what the referee said, in order of time."""
     return [
         CourseEvent(time_us=text.time_us, kind=_kind(text.text), text=text.text)

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.tlog.log import Log
+from flightstack.logs.columns.log import Log
 
 VELOCITIES = ("vx", "vy", "vz", "yaw rate")  # body frame: forward, right, down; clockwise
 UNITS = ("m/s", "m/s", "m/s", "rad/s")
 ALL_MEMBERS = -1  # the decision pooled every member
 LINEAR = slice(0, 3)
+PARTS = ("aleatoric", "epistemic", "perceptual")  # of the uncertainty
 
 Floats = NDArray[np.float64]
 
@@ -20,7 +21,7 @@ class Decisions:
     """One row a decision; columns in the order of VELOCITIES."""
 
     time_us: NDArray[np.int64]  # when it was logged, since 1970
-    stamp_us: NDArray[np.int64]  # of the camera frame that it answers, vehicle time
+    stamp_us: NDArray[np.int64]  # of the camera image that it answers, vehicle time
     aleatoric_std: Floats  # (n, 4) m/s, rad/s
     epistemic_std: Floats
     perceptual_std: Floats
@@ -78,7 +79,7 @@ def find_decisions(log: Log) -> Decisions:
 
 
 def find_members(log: Log) -> MemberPredictions:
-    """Return the predictions member by member; empty unless frames were recorded."""
+    """Return the predictions member by member; empty unless images were recorded."""
     _, stamp_us, data = _arrays(log, "members", 56)
     padded = data.reshape(len(data), 14, 4)
     used = np.flatnonzero(np.any(padded != 0, axis=(0, 2)))

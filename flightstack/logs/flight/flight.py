@@ -5,6 +5,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.table import Table
 from flightstack.logs.flight.course import (
     CourseEvent,
     CourseGate,
@@ -21,28 +23,27 @@ from flightstack.logs.flight.decisions import (
 from flightstack.logs.flight.motion import Motion, find_motion
 from flightstack.logs.flight.setpoints import (
     Answers,
-    Setpoints,
+    VelocitySetpoints,
     camera_answers,
     find_setpoints,
     setpoint_times,
     within,
 )
-from flightstack.logs.flight.texts import Text, status_texts
+from flightstack.logs.flight.texts import LoggedText, status_texts
 from flightstack.logs.flight.tracking import Tracking, response_lag_s, track
 from flightstack.logs.flight.vehicle import (
     AUTOPILOT_INVALID,
     Interval,
-    Vehicle,
+    LoggedVehicle,
     armed_intervals,
     failsafe_intervals,
     find_vehicle,
     intervals,
     mode_intervals,
 )
-from flightstack.logs.tlog.log import Log
-from flightstack.logs.tlog.table import Table
 
 ALOFT = (2, 3, 4)  # MAV_LANDED_STATE: in the air, taking off, landing
+UNKNOWN_VOLTAGE = 65535  # of SYS_STATUS
 LIFTED_M = 0.5  # higher than this above where it was armed counts as flying, without landed state
 SUMMARY_MESSAGES = (
     "ATTITUDE",
@@ -63,6 +64,9 @@ SUMMARY_MESSAGES = (
     "SYS_STATUS",
 )
 
+# stands in for the vehicle of a log without one
+NOBODY = LoggedVehicle(system=0, component=0, autopilot=AUTOPILOT_INVALID, type=0)
+
 
 class Flight:
     """What a log says about one vehicle; without an autopilot in it, `vehicle` is None."""
@@ -70,7 +74,8 @@ class Flight:
     def __init__(self, log: Log, system: int | None = None) -> None:
         self.log = log
         log.load(SUMMARY_MESSAGES)
-        self.vehicle: Vehicle | None = find_vehicle(log, system)
+        self.vehicle: LoggedVehicle | None = find_vehicle(log, system)
+        self._who = self.vehicle or NOBODY
 
     @cached_property
     def start_us(self) -> int:
@@ -88,10 +93,9 @@ class Flight:
 
     def of_vehicle(self, name: str) -> Table:
         """Return the messages of a type that the vehicle's autopilot sent."""
-        table = self.log[name]
         if self.vehicle is None:
-            return table.take(slice(0, 0))
-        return table.where(system=self.vehicle.system, component=self.vehicle.component)
+            return self.log[name].take(slice(0, 0))
+        return self.vehicle.sent(self.log, name)
 
     @cached_property
     def modes(self) -> list[Interval]:
@@ -160,36 +164,42 @@ class Flight:
         return "landed and disarmed" if self.flying else "never flew"
 
     @cached_property
-    def texts(self) -> list[Text]:
+    def battery(self) -> Table:
+        """The SYS_STATUS that tell a voltage."""
+        table = self.of_vehicle("SYS_STATUS")
+        volts = table["voltage_battery"]
+        return table.take((volts > 0) & (volts != UNKNOWN_VOLTAGE))
+
+    @cached_property
+    def texts(self) -> list[LoggedText]:
         """All status texts."""
         return status_texts(self.log)
 
     @cached_property
     def motion(self) -> Motion:
         """Where the vehicle was and how fast."""
-        return find_motion(self.log, self.vehicle or _nobody())
+        return find_motion(self.log, self._who)
 
     @cached_property
-    def setpoints(self) -> Setpoints:
+    def setpoints(self) -> VelocitySetpoints:
         """The velocity setpoints that were sent."""
-        return find_setpoints(self.log, self.vehicle or _nobody())
+        return find_setpoints(self.log, self._who)
 
     @cached_property
     def offboard_setpoint_times(self) -> NDArray[np.int64]:
         """When setpoints of any kind were sent while OFFBOARD."""
-        times = setpoint_times(self.log, self.vehicle or _nobody())
+        times = setpoint_times(self.log, self._who)
         return times[within(times, self.offboard)]
 
     @cached_property
     def answers(self) -> Answers:
-        """Camera frames and their answers while OFFBOARD."""
+        """Camera images and their answers while OFFBOARD."""
         return camera_answers(self.log, self.setpoints, self.offboard)
 
     @cached_property
     def tracking(self) -> Tracking:
         """Setpoints beside responses while OFFBOARD."""
-        who = self.vehicle or _nobody()
-        return track(self.log, who, self.motion, self.setpoints, self.offboard)
+        return track(self.log, self._who, self.motion, self.setpoints, self.offboard)
 
     @cached_property
     def response_lags_s(self) -> list[float | None]:
@@ -216,12 +226,12 @@ class Flight:
         """What the referee said."""
         return find_events(self.texts)
 
+    @property
+    def first_failure(self) -> CourseEvent | None:
+        """The gate that was missed or hit; None where nothing failed."""
+        return next((event for event in self.course_events if event.is_failure), None)
+
     @cached_property
     def gates_passed(self) -> int:
         """How many gates the referee counted."""
         return gates_passed(self.log)
-
-
-def _nobody() -> Vehicle:
-    """Stand in for the vehicle of a log without one: no message is of system 0."""
-    return Vehicle(system=0, component=0, autopilot=AUTOPILOT_INVALID, type=0)

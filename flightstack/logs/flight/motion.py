@@ -5,13 +5,28 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.flight.vehicle import Vehicle
-from flightstack.logs.tlog.log import Log
+from flightstack.logs.columns.log import Log
+from flightstack.logs.flight.vehicle import LoggedVehicle
 
 EARTH_RADIUS_M = 6_371_000.0
 STANDING_M_S = 0.3  # slower than this is noise of the estimate, not a way flown
 
 Floats = NDArray[np.float64]
+
+
+def interpolated(
+    times: NDArray[np.int64],
+    known_at: NDArray[np.int64],
+    values: Floats,
+    outside: float | None = None,
+) -> Floats:
+    """Return values at times, each column linearly; beyond what is known `outside`, or the ends."""
+    if not len(known_at):
+        return np.full((len(times), values.shape[1]), np.nan)
+    base = int(known_at[0])
+    x, known = (times - base).astype(np.float64), (known_at - base).astype(np.float64)
+    columns = [np.interp(x, known, column, left=outside, right=outside) for column in values.T]
+    return np.stack(columns, axis=1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -56,8 +71,8 @@ class Motion:
         )
 
 
-def _local(log: Log, vehicle: Vehicle) -> Motion:
-    table = log["LOCAL_POSITION_NED"].where(system=vehicle.system, component=vehicle.component)
+def _local(log: Log, vehicle: LoggedVehicle) -> Motion:
+    table = vehicle.sent(log, "LOCAL_POSITION_NED")
     return Motion(
         source=table.name,
         time_us=table.time_us,
@@ -66,8 +81,8 @@ def _local(log: Log, vehicle: Vehicle) -> Motion:
     )
 
 
-def _global(log: Log, vehicle: Vehicle) -> Motion:
-    table = log["GLOBAL_POSITION_INT"].where(system=vehicle.system, component=vehicle.component)
+def _global(log: Log, vehicle: LoggedVehicle) -> Motion:
+    table = vehicle.sent(log, "GLOBAL_POSITION_INT")
     has_fix = (table["lat"] != 0) | (table["lon"] != 0)
     table = table.take(has_fix)
     lat, lon = np.radians(table["lat"] * 1e-7), np.radians(table["lon"] * 1e-7)
@@ -84,7 +99,7 @@ def _global(log: Log, vehicle: Vehicle) -> Motion:
     )
 
 
-def find_motion(log: Log, vehicle: Vehicle) -> Motion:
+def find_motion(log: Log, vehicle: LoggedVehicle) -> Motion:
     """Return the vehicle's motion, local if logged, else from the global position."""
     local = _local(log, vehicle)
     return local if len(local) else _global(log, vehicle)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.columns.table import Table
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.modes import PX4
-from flightstack.logs.tlog.table import Table
 
 BYTEWISE_CAPABILITY = 1 << 4  # MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
 INTEGER_TYPES = {1: "u1", 2: "i1", 3: "<u2", 4: "<i2", 5: "<u4", 6: "<i4"}  # MAV_PARAM_TYPE
@@ -27,7 +27,7 @@ class Change:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Parameters:
+class LoggedParameters:
     """The last known value of every parameter, and all changes in order."""
 
     values: dict[str, Value]
@@ -57,7 +57,7 @@ def _values(table: Table, *, bytewise: bool) -> list[Value]:
     return values
 
 
-def read_parameters(flight: Flight) -> Parameters:
+def read_parameters(flight: Flight) -> LoggedParameters:
     """Return the parameters that the vehicle told."""
     table = flight.of_vehicle("PARAM_VALUE")
     names = table["param_id"].tolist()
@@ -72,4 +72,4 @@ def read_parameters(flight: Flight) -> Parameters:
         if name in latest and latest[name] != value:
             changes.append(Change(time_us=time_us, name=name, before=latest[name], after=value))
         latest[name] = value
-    return Parameters(values=dict(sorted(latest.items())), changes=tuple(changes))
+    return LoggedParameters(values=dict(sorted(latest.items())), changes=tuple(changes))

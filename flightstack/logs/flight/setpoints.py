@@ -1,12 +1,12 @@
-"""Read the setpoints that were sent, the camera frames that they answer, and how late."""
+"""Read the setpoints that were sent, the camera images that they answer, and how late."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.flight.vehicle import Interval, Vehicle
-from flightstack.logs.tlog.log import Log
+from flightstack.logs.columns.log import Log
+from flightstack.logs.flight.vehicle import Interval, LoggedVehicle
 
 LOCAL_NED, BODY_NED, BODY_FRD = 1, 8, 12  # MAV_FRAME
 IGNORE_VELOCITY = 0b111 << 3  # bits of type_mask
@@ -16,18 +16,18 @@ SETPOINT_MESSAGES = (
     "SET_POSITION_TARGET_GLOBAL_INT",
     "SET_ATTITUDE_TARGET",
 )
-LONGEST_LATENCY_US = 5_000_000  # a stamp further off is of another clock
+MAX_LATENCY_US = 5_000_000  # a stamp further off is of another clock
 
 Floats = NDArray[np.float64]
 Times = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Setpoints:
+class VelocitySetpoints:
     """Velocity setpoints in order of time."""
 
     time_us: Times  # when each was logged
-    stamp_ms: Times  # time_boot_ms: for ours, the stamp of the frame that it answers
+    stamp_ms: Times  # time_boot_ms: for ours, the stamp of the image that it answers
     in_body: NDArray[np.bool_]  # body frame (yaw only), else north-east-down
     command: Floats  # (n, 4) vx, vy, vz m/s, yaw rate rad/s; NaN where ignored
 
@@ -37,17 +37,17 @@ class Setpoints:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Answers:
-    """Camera frames, and how late each was answered."""
+    """Camera images, and how late each was answered."""
 
-    frames: int  # camera frames while OFFBOARD
+    images: int  # of the camera while OFFBOARD
     answered: int
     time_us: Times  # of the answering setpoints
-    latency_ms: Floats  # from the frame to its setpoint, in the log's time
+    latency_ms: Floats  # from the image to its setpoint, in the log's time
 
     @property
     def fraction(self) -> float:
-        """Answered frames over all."""
-        return self.answered / self.frames if self.frames else 0.0
+        """Answered images over all."""
+        return self.answered / self.images if self.images else 0.0
 
 
 def within(times: Times, spans: list[Interval]) -> NDArray[np.bool_]:
@@ -58,7 +58,7 @@ def within(times: Times, spans: list[Interval]) -> NDArray[np.bool_]:
     return inside
 
 
-def setpoint_times(log: Log, vehicle: Vehicle) -> Times:
+def setpoint_times(log: Log, vehicle: LoggedVehicle) -> Times:
     """Return when setpoints of any kind were sent to the vehicle."""
     log.load(SETPOINT_MESSAGES)
     times = []
@@ -68,7 +68,7 @@ def setpoint_times(log: Log, vehicle: Vehicle) -> Times:
     return np.sort(np.concatenate(times))
 
 
-def find_setpoints(log: Log, vehicle: Vehicle) -> Setpoints:
+def find_setpoints(log: Log, vehicle: LoggedVehicle) -> VelocitySetpoints:
     """Return the velocity setpoints that were sent to the vehicle."""
     table = log["SET_POSITION_TARGET_LOCAL_NED"]
     mask = table["type_mask"]
@@ -76,7 +76,7 @@ def find_setpoints(log: Log, vehicle: Vehicle) -> Setpoints:
     table = table.take(for_us & (mask & IGNORE_VELOCITY == 0))
     yaw_rate = np.where(table["type_mask"] & IGNORE_YAW_RATE, np.nan, table["yaw_rate"])
     columns = [table[name].astype(np.float64) for name in ("vx", "vy", "vz")]
-    return Setpoints(
+    return VelocitySetpoints(
         time_us=table.time_us,
         stamp_ms=table["time_boot_ms"].astype(np.int64),
         in_body=np.isin(table["coordinate_frame"], (BODY_NED, BODY_FRD)),
@@ -85,41 +85,41 @@ def find_setpoints(log: Log, vehicle: Vehicle) -> Setpoints:
 
 
 def _first_of_each(keys: Times) -> NDArray[np.intp]:
-    """Return the first row of each key: a frame triggered or answered twice counts once."""
+    """Return the first row of each key: an image triggered or answered twice counts once."""
     return np.unique(keys, return_index=True)[1]
 
 
-def camera_answers(log: Log, setpoints: Setpoints, offboard: list[Interval]) -> Answers:
-    """Match camera frames with the setpoints that carry their stamp."""
+def camera_answers(log: Log, setpoints: VelocitySetpoints, offboard: list[Interval]) -> Answers:
+    """Match camera images with the setpoints that carry their stamp."""
     triggers = log["CAMERA_TRIGGER"]
     triggers = triggers.take(within(triggers.time_us, offboard))
     stamp_ms = (triggers["time_usec"] // 1000).astype(np.int64)
     first = _first_of_each(stamp_ms)
     stamp_ms, shot_us = stamp_ms[first], triggers.time_us[first]
     answer_rows = _first_of_each(setpoints.stamp_ms)
-    common, frame_rows, rows = np.intersect1d(
+    common, image_rows, rows = np.intersect1d(
         stamp_ms, setpoints.stamp_ms[answer_rows], assume_unique=True, return_indices=True
     )
     answer_us = setpoints.time_us[answer_rows[rows]]
     return Answers(
-        frames=len(stamp_ms),
+        images=len(stamp_ms),
         answered=len(common),
         time_us=answer_us,
-        latency_ms=np.multiply(answer_us - shot_us[frame_rows], 1e-3, dtype=np.float64),
+        latency_ms=np.multiply(answer_us - shot_us[image_rows], 1e-3, dtype=np.float64),
     )
 
 
-def boot_offset_us(log: Log, vehicle: Vehicle) -> int | None:
+def boot_offset_us(log: Log, vehicle: LoggedVehicle) -> int | None:
     """Return log time minus vehicle time: the smallest seen, that of the fastest datagram."""
     for name in ("ATTITUDE", "LOCAL_POSITION_NED", "ATTITUDE_QUATERNION"):
-        table = log[name].where(system=vehicle.system, component=vehicle.component)
+        table = vehicle.sent(log, name)
         if len(table):
             return int((table.time_us - table["time_boot_ms"].astype(np.int64) * 1000).min())
     return None
 
 
-def stamp_latency_ms(setpoints: Setpoints, offset_us: int) -> Floats:
+def stamp_latency_ms(setpoints: VelocitySetpoints, offset_us: int) -> Floats:
     """Return how old the stamp of each setpoint was when it was logged; NaN without a stamp."""
     latency_us = setpoints.time_us - setpoints.stamp_ms * 1000 - offset_us
-    strange = np.abs(latency_us) > LONGEST_LATENCY_US
+    strange = np.abs(latency_us) > MAX_LATENCY_US
     return np.where(strange | (setpoints.stamp_ms == 0), np.nan, latency_us * 1e-3)

@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass, replace
 
-from flightstack.logs.dialect.dialect import enum_name
-from flightstack.logs.tlog.log import Log
+from flightstack.logs.columns.log import Log
+from flightstack.logs.dialect.message_types import enum_name
 
 COPY_US = 200_000  # the same text from the same sender this soon came over another link
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Text:
+class LoggedText:
     """One status text."""
 
     time_us: int
@@ -19,12 +19,17 @@ class Text:
     text: str
 
     @property
+    def source(self) -> str:
+        """Who said it: system/component."""
+        return f"{self.system}/{self.component}"
+
+    @property
     def level(self) -> str:
         """The severity's name, lower case."""
         return enum_name("MAV_SEVERITY", self.severity).removeprefix("MAV_SEVERITY_").lower()
 
 
-def _pieces(log: Log) -> list[tuple[Text, int, int]]:
+def _pieces(log: Log) -> list[tuple[LoggedText, int, int]]:
     """Return each message as a text with its id and chunk number."""
     table = log["STATUSTEXT"]
     rows = zip(
@@ -38,14 +43,14 @@ def _pieces(log: Log) -> list[tuple[Text, int, int]]:
         strict=True,
     )
     return [
-        (Text(time_us=t, system=s, component=c, severity=v, text=text), text_id, chunk)
+        (LoggedText(time_us=t, system=s, component=c, severity=v, text=text), text_id, chunk)
         for t, s, c, v, text, text_id, chunk in rows
     ]
 
 
-def status_texts(log: Log) -> list[Text]:
+def status_texts(log: Log) -> list[LoggedText]:
     """Return all status texts of all systems in order of time."""
-    found: list[Text] = []
+    found: list[LoggedText] = []
     unfinished: dict[tuple[int, int, int], int] = {}  # (system, component, id): place in found
     last_seen: dict[tuple[int, int, int, str], int] = {}
     for piece, text_id, chunk in _pieces(log):

@@ -9,15 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.flight.motion import Motion
-from flightstack.logs.flight.setpoints import Setpoints, within
-from flightstack.logs.flight.vehicle import Interval, Vehicle
-from flightstack.logs.tlog.log import Log
+from flightstack.logs.columns.log import Log
+from flightstack.logs.flight.motion import Motion, interpolated
+from flightstack.logs.flight.setpoints import VelocitySetpoints, within
+from flightstack.logs.flight.vehicle import Interval, LoggedVehicle
 
 GRID_S = 0.02
-LONGEST_LAG_S = 2.0
-SHORTEST_SPAN_S = 5.0  # less says nothing about a lag
-LEAST_CORRELATION = 0.5
+MAX_LAG_S = 2.0
+MIN_SPAN_S = 5.0  # less says nothing about a lag
+MIN_CORRELATION = 0.5
 
 Floats = NDArray[np.float64]
 
@@ -43,37 +43,22 @@ class Tracking:
         rms: Floats = np.sqrt(np.nansum(square, axis=0) / np.where(counts, counts, np.nan))
         return rms
 
-    def tail(self, until_us: int, seconds: float) -> "Tracking":
-        """Return the last seconds before a time."""
-        keep = (self.time_us <= until_us) & (self.time_us > until_us - seconds * 1e6)
-        return Tracking(
-            time_us=self.time_us[keep],
-            frame=self.frame,
-            setpoint=self.setpoint[keep],
-            response=self.response[keep],
-        )
 
-
-def _interpolate(times: NDArray[np.int64], at: NDArray[np.int64], values: Floats) -> Floats:
-    """Return values at times, each column linearly; NaN outside of what is known."""
-    if not len(at):
-        return np.full((len(times), values.shape[1]), np.nan)
-    base = int(at[0])
-    x, known = (times - base).astype(np.float64), (at - base).astype(np.float64)
-    columns = [np.interp(x, known, column, left=np.nan, right=np.nan) for column in values.T]
-    return np.stack(columns, axis=1)
-
-
-def _response(log: Log, vehicle: Vehicle, motion: Motion, times: NDArray[np.int64]) -> Floats:
+def _response(log: Log, vehicle: LoggedVehicle, motion: Motion, times: NDArray[np.int64]) -> Floats:
     """Return velocity north, east, down, yaw rate and yaw at these times, (n, 5)."""
-    attitude = log["ATTITUDE"].where(system=vehicle.system, component=vehicle.component)
+    attitude = vehicle.sent(log, "ATTITUDE")
     turning = np.stack([attitude["yawspeed"], np.unwrap(attitude["yaw"])], axis=1)
-    velocity = _interpolate(times, motion.time_us, motion.velocity_ned)
-    return np.hstack([velocity, _interpolate(times, attitude.time_us, turning.astype(np.float64))])
+    velocity = interpolated(times, motion.time_us, motion.velocity_ned, outside=np.nan)
+    turned = interpolated(times, attitude.time_us, turning.astype(np.float64), outside=np.nan)
+    return np.hstack([velocity, turned])
 
 
 def track(
-    log: Log, vehicle: Vehicle, motion: Motion, setpoints: Setpoints, offboard: list[Interval]
+    log: Log,
+    vehicle: LoggedVehicle,
+    motion: Motion,
+    setpoints: VelocitySetpoints,
+    offboard: list[Interval],
 ) -> Tracking:
     """Return setpoints and responses side by side, for the times in OFFBOARD."""
     rows = within(setpoints.time_us, offboard)
@@ -95,10 +80,10 @@ def track(
     )
 
 
-def _correlations(a: Floats, b: Floats, most: int) -> Floats:
-    """Return the correlation of a[:-k] with b[k:] for k from 0 to most."""
-    found = np.zeros(most + 1)
-    for shift in range(most + 1):
+def _correlations(a: Floats, b: Floats, max_shift: int) -> Floats:
+    """Return the correlation of a[:-k] with b[k:] for k from 0 to max_shift."""
+    found = np.zeros(max_shift + 1)
+    for shift in range(max_shift + 1):
         left, right = a[: len(a) - shift], b[shift:]
         left, right = left - left.mean(), right - right.mean()
         norm = float(np.sqrt(np.square(left).sum() * np.square(right).sum()))
@@ -114,12 +99,12 @@ def response_lag_s(tracking: Tracking, axis: int) -> float | None:
     if known.sum() < 2:
         return None
     time_s = (tracking.time_us[known] - tracking.time_us[known][0]) * 1e-6
-    if time_s[-1] < SHORTEST_SPAN_S or np.ptp(setpoint[known]) < 1e-3:
+    if time_s[-1] < MIN_SPAN_S or np.ptp(setpoint[known]) < 1e-3:
         return None
     grid = np.arange(0.0, time_s[-1], GRID_S)
     place = np.clip(np.searchsorted(time_s, grid, side="right") - 1, 0, len(time_s) - 1)
     held = setpoint[known][place]  # a setpoint holds until the next
     followed = np.interp(grid, time_s, response[known])
-    found = _correlations(held, followed, min(int(LONGEST_LAG_S / GRID_S), len(grid) // 2))
+    found = _correlations(held, followed, min(int(MAX_LAG_S / GRID_S), len(grid) // 2))
     best = int(found.argmax())
-    return best * GRID_S if found[best] >= LEAST_CORRELATION else None
+    return best * GRID_S if found[best] >= MIN_CORRELATION else None

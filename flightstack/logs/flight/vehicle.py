@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.dialect.dialect import enum_name
+from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.table import Table
+from flightstack.logs.dialect.message_types import enum_name
 from flightstack.logs.flight.modes import mode_name
-from flightstack.logs.tlog.log import Log
-from flightstack.logs.tlog.table import Table
 
 AUTOPILOT_INVALID = 8  # MAV_AUTOPILOT_INVALID: a companion, a camera, a ground station
 NO_VEHICLES = (6, 18, 26, 27, 30)  # MAV_TYPE: GCS, onboard controller, gimbal, ADS-B, camera
@@ -33,13 +33,17 @@ class Interval:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Vehicle:
+class LoggedVehicle:
     """Who flies: the autopilot's system and component, and its kind."""
 
     system: int
     component: int
     autopilot: int  # MAV_AUTOPILOT
     type: int  # MAV_TYPE
+
+    def sent(self, log: Log, name: str) -> Table:
+        """Return the messages of a type that its autopilot sent."""
+        return log[name].where(system=self.system, component=self.component)
 
     @property
     def kind(self) -> str:
@@ -49,7 +53,7 @@ class Vehicle:
         return f"{autopilot} {vehicle_type}".lower().replace("_", " ")
 
 
-def find_vehicle(log: Log, system: int | None = None) -> Vehicle | None:
+def find_vehicle(log: Log, system: int | None = None) -> LoggedVehicle | None:
     """Return the autopilot with the most heartbeats, of `system` if given; None without one."""
     beats = log["HEARTBEAT"]
     is_autopilot = (beats["autopilot"] != AUTOPILOT_INVALID) & ~np.isin(beats["type"], NO_VEHICLES)
@@ -58,11 +62,10 @@ def find_vehicle(log: Log, system: int | None = None) -> Vehicle | None:
     beats = beats.take(is_autopilot)
     if not len(beats):
         return None
-    sender = beats.system.astype(np.uint16) << 8 | beats.component
-    senders, counts = np.unique(sender, return_counts=True)
+    senders, counts = np.unique(beats.packets.sender, return_counts=True)
     chosen = int(senders[counts.argmax()])
-    row = int(np.flatnonzero(sender == chosen)[-1])
-    return Vehicle(
+    row = int(np.flatnonzero(beats.packets.sender == chosen)[-1])
+    return LoggedVehicle(
         system=chosen >> 8,
         component=chosen & 0xFF,
         autopilot=int(beats["autopilot"][row]),
@@ -82,7 +85,7 @@ def intervals(times: NDArray[np.int64], labels: Sequence[str], end_us: int) -> l
     return found
 
 
-def mode_intervals(beats: Table, vehicle: Vehicle, end_us: int) -> list[Interval]:
+def mode_intervals(beats: Table, vehicle: LoggedVehicle, end_us: int) -> list[Interval]:
     """Return when the vehicle flew in which mode."""
     base, custom = beats["base_mode"].tolist(), beats["custom_mode"].tolist()
     names: dict[tuple[int, int], str] = {}

@@ -1,6 +1,6 @@
 """Why did it miss? The moments before a gate was failed, as the companion saw and decided them.
 
-A recording of camera frames is a folder beside the log, <log>.frames, that holds one PNG a frame,
+A recording of camera images is a folder beside the log, <log>.frames, that holds one PNG per image,
 named by its stamp in vehicle time: 000012345678.png.
 """
 
@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs.flight.course import CourseEvent
+from flightstack.logs.flight.decisions import LINEAR, PARTS
 from flightstack.logs.flight.flight import Flight
 
 LOOK_BACK_S = 2.0
-MOST_MOMENTS = 8
+MAX_MOMENTS = 8
 
 Floats = NDArray[np.float64]
 
@@ -32,39 +33,51 @@ class Moment:
     member: NDArray[np.int64]  # (4,)
     modes: NDArray[np.int64]
     predictions: Floats  # (N, 4) mean of each member; N is 0 where they were not recorded
-    frame: Path | None
+    image: Path | None
+
+    def std_m_s(self, part: str) -> float:
+        """Return the length of one of PARTS of the uncertainty over the linear velocities."""
+        return float(np.linalg.norm(getattr(self, f"{part}_std")[LINEAR]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Failure:
+class FailedGate:
     """A failed gate, and what led to it."""
 
     event: CourseEvent
     moments: tuple[Moment, ...]
 
+    def max_std_m_s(self) -> float:
+        """Return the largest part of the uncertainty of any moment."""
+        return max(moment.std_m_s(part) for moment in self.moments for part in PARTS)
 
-def frames_folder(flight: Flight) -> Path:
-    """Return where the frames of a log are recorded by default."""
+    def velocities(self) -> Floats:
+        """Return all commands and predictions, (k, 4)."""
+        return np.vstack([np.vstack([m.command, m.predictions]) for m in self.moments])
+
+
+def images_folder(flight: Flight) -> Path:
+    """Return where the images of a log are recorded by default."""
     return Path(flight.log.name).with_suffix(".frames")
 
 
-def frame_path(folder: Path, stamp_us: int) -> Path | None:
-    """Return the recorded frame with this stamp, None where there is none."""
+def image_path(folder: Path, stamp_us: int) -> Path | None:
+    """Return the recorded image with this stamp, None where there is none."""
     path = folder / f"{stamp_us:012d}.png"
     return path if path.is_file() else None
 
 
 def find_failure(
     flight: Flight, folder: Path | None = None, seconds: float = LOOK_BACK_S
-) -> Failure | None:
+) -> FailedGate | None:
     """Return the first failed gate and the moments before it; None where nothing failed."""
-    event = next((event for event in flight.course_events if event.is_failure), None)
+    event = flight.first_failure
     if event is None:
         return None
     decisions, members = flight.decisions, flight.members
     before_us = event.time_us - decisions.time_us
     rows = np.flatnonzero((before_us >= 0) & (before_us <= seconds * 1e6))
-    chosen = np.unique(np.linspace(0, max(len(rows) - 1, 0), MOST_MOMENTS).round().astype(np.intp))
+    chosen = np.unique(np.linspace(0, max(len(rows) - 1, 0), MAX_MOMENTS).round().astype(np.intp))
     moments = []
     for row in rows[chosen].tolist() if len(rows) else []:
         stamp_us = int(decisions.stamp_us[row])
@@ -80,7 +93,7 @@ def find_failure(
                 member=decisions.member[row],
                 modes=decisions.modes[row],
                 predictions=members.mean[same[0]] if len(same) else np.empty((0, 4)),
-                frame=frame_path(folder or frames_folder(flight), stamp_us),
+                image=image_path(folder or images_folder(flight), stamp_us),
             )
         )
-    return Failure(event=event, moments=tuple(moments))
+    return FailedGate(event=event, moments=tuple(moments))

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from flightstack.logs.flight.course import CourseEvent, CourseGate
 from flightstack.logs.flight.flight import Flight
-from flightstack.logs.flight.motion import Motion
+from flightstack.logs.flight.motion import interpolated
 from flightstack.logs.report.plotting import (
     INK,
     MUTED,
@@ -17,7 +17,7 @@ from flightstack.logs.report.plotting import (
     packed,
 )
 
-MOST_MARKERS = 3000
+MAX_MARKERS = 3000
 EVENT_MARKS = {
     "passed": ("circle", "#2a9d8f"),
     "missed": ("x", "#c1272d"),
@@ -26,28 +26,15 @@ EVENT_MARKS = {
 }
 
 
-def _at(motion: Motion, times: NDArray[np.int64]) -> Floats:
-    """Return the position at these times, (n, 3)."""
-    base = int(motion.time_us[0])
-    known, wanted = (motion.time_us - base).astype(float), (times - base).astype(float)
-    columns = [np.interp(wanted, known, column) for column in motion.position_ned.T]
-    return np.stack(columns, axis=1)
+def _positions(flight: Flight, times: NDArray[np.int64]) -> Floats:
+    return interpolated(times, flight.motion.time_us, flight.motion.position_ned)
 
 
 def _both_views(points: Floats, trace: Json, shown: str) -> list[Json]:
     """Return a trace in the view from above and the view from the side."""
     north, east, down = points.T
     above = {**trace, "x": packed(east), "y": packed(north), "name": shown, "legendgroup": shown}
-    side = {
-        **trace,
-        "x": packed(east),
-        "y": packed(-down),
-        "name": shown,
-        "legendgroup": shown,
-        "showlegend": False,
-        "xaxis": "x2",
-        "yaxis": "y2",
-    }
+    side = {**above, "y": packed(-down), "showlegend": False, "xaxis": "x2", "yaxis": "y2"}
     return [above, side]
 
 
@@ -88,7 +75,7 @@ def _gates(gates: list[CourseGate]) -> list[Json]:
 
 def _path(flight: Flight) -> list[Json]:
     motion = flight.motion
-    step = max(1, len(motion) // MOST_MARKERS)
+    step = max(1, len(motion) // MAX_MARKERS)
     grey = {
         "type": "scatter",
         "mode": "lines",
@@ -102,7 +89,7 @@ def _uncertain_path(flight: Flight) -> list[Json]:
     decisions = flight.decisions
     if not len(decisions):
         return []
-    step = max(1, len(decisions) // MOST_MARKERS)
+    step = max(1, len(decisions) // MAX_MARKERS)
     rows = slice(None, None, step)
     total = decisions.total_std_m_s[rows]
     seconds = (decisions.time_us[rows] - flight.start_us) * 1e-6
@@ -127,7 +114,7 @@ def _uncertain_path(flight: Flight) -> list[Json]:
         "customdata": np.round(np.stack([seconds, total], axis=1), 3).tolist(),
         "hovertemplate": "%{customdata[0]:.2f} s, std %{customdata[1]:.3f} m/s<extra></extra>",
     }
-    above, side = _both_views(_at(flight.motion, decisions.time_us[rows]), marks, "uncertainty")
+    above, side = _both_views(_positions(flight, decisions.time_us[rows]), marks, "uncertainty")
     side["marker"] = {key: value for key, value in marks["marker"].items() if key != "colorbar"}
     return [above, side]
 
@@ -138,7 +125,7 @@ def _events(flight: Flight, events: list[CourseEvent]) -> list[Json]:
         rows = [event for event in events if event.kind == kind]
         if not rows:
             continue
-        places = _at(flight.motion, np.array([event.time_us for event in rows], dtype=np.int64))
+        times = np.array([event.time_us for event in rows], dtype=np.int64)
         marks = {
             "type": "scatter",
             "mode": "markers",
@@ -146,7 +133,7 @@ def _events(flight: Flight, events: list[CourseEvent]) -> list[Json]:
             "hovertext": [f"{flight.seconds(e.time_us):.2f} s: {e.text}" for e in rows],
             "hoverinfo": "text",
         }
-        traces += _both_views(places, marks, kind)
+        traces += _both_views(_positions(flight, times), marks, kind)
     return traces
 
 

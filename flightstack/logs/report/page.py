@@ -10,17 +10,18 @@ from pathlib import Path
 from string import Template
 
 from flightstack import __version__
+from flightstack.libraries import load_library
 from flightstack.logs.checks import Finding, Level
-from flightstack.logs.errors import MissingLibraryError
+from flightstack.logs.facts.messages import message_facts
+from flightstack.logs.facts.summary import summarise
+from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.flight import Flight
-from flightstack.logs.flight.why import Failure, find_failure
+from flightstack.logs.flight.why import FailedGate, find_failure
 from flightstack.logs.report import tables
 from flightstack.logs.report.course_figure import course_figure, has_course
 from flightstack.logs.report.plotting import Json
 from flightstack.logs.report.strip import strip_html
 from flightstack.logs.report.time_figure import time_figure
-from flightstack.logs.text.message_facts import message_facts
-from flightstack.logs.text.summary import Facts, summarise
 from flightstack.logs.text.summary_text import duration
 
 PLOTLY_FILE = ("package_data", "plotly.min.js")
@@ -29,10 +30,8 @@ PLOTLY_FILE = ("package_data", "plotly.min.js")
 @cache
 def plotly_script() -> str:
     """Return plotly.js, which the Python package brings along."""
-    try:
-        script = files("plotly").joinpath(*PLOTLY_FILE).read_text(encoding="utf-8")
-    except (ModuleNotFoundError, FileNotFoundError) as error:
-        raise MissingLibraryError("the report needs plotly: pip install plotly") from error
+    folder = files(load_library("plotly", "logs"))
+    script = folder.joinpath(*PLOTLY_FILE).read_text(encoding="utf-8")
     return script.replace("</script", r"<\/script")
 
 
@@ -107,7 +106,7 @@ def _figure(name: str) -> str:
 
 
 def _sections(
-    flight: Flight, facts: Facts, findings: list[Finding], failure: Failure | None
+    flight: Flight, facts: Facts, findings: list[Finding], failure: FailedGate | None
 ) -> str:
     messages = sorted(message_facts(flight.log), key=lambda each: -each["count"])
     hint = "Drag to zoom, double-click to see all again, hover for values."
@@ -132,7 +131,7 @@ def _embedded(figures: dict[str, Json]) -> str:
     return json.dumps(figures).replace("<", r"\u003c")
 
 
-def make_page(flight: Flight, findings: list[Finding], frames: Path | None = None) -> str:
+def make_page(flight: Flight, findings: list[Finding], images: Path | None = None) -> str:
     """Return the report of a flight as HTML."""
     facts = summarise(flight, findings)
     figures = {"course": course_figure(flight)} if has_course(flight) else {}
@@ -141,7 +140,7 @@ def make_page(flight: Flight, findings: list[Finding], frames: Path | None = Non
     started = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(facts["start_unix_s"]))
     kind = facts["vehicle"]["kind"] if facts["vehicle"] else "no autopilot"
     about = f"{started}, {duration(facts['duration_s'])}, {kind}, {facts['messages']} messages"
-    failure = find_failure(flight, frames)
+    failure = find_failure(flight, images)
     tiles = "".join(
         f'<div class="tile"><b>{escape(value)}</b><span>{escape(name)}</span></div>'
         for value, name in _tiles(facts)

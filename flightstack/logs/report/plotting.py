@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 Json = dict[str, Any]
 Floats = NDArray[np.float64]
 
-MOST_POINTS = 6000  # of one line; more only slow the page down
+MAX_POINTS = 6000  # of one line; more only slow the page down
 INK, MUTED, GRID = "#1c2733", "#6b7785", "#e6eaee"
 SETPOINT, RESPONSE = "#9aa5b1", "#1f6feb"
-PARTS = {"aleatoric": "#e69f00", "epistemic": "#d1495b", "perceptual": "#2a9d8f"}
+PART_COLOURS = {"aleatoric": "#e69f00", "epistemic": "#d1495b", "perceptual": "#2a9d8f"}
 UNCERTAINTY_SCALE = [[0.0, "#2f7fc1"], [0.45, "#f2c14e"], [1.0, "#c1272d"]]
 MODE_COLOURS = {
     "OFFBOARD": "#1f6feb",
@@ -47,11 +47,11 @@ def packed(values: NDArray[Any] | Sequence[float]) -> Json:
     return {"dtype": "f4", "bdata": base64.b64encode(array.tobytes()).decode()}
 
 
-def thinned(x: Floats, y: Floats, most: int = MOST_POINTS) -> tuple[Floats, Floats]:
+def thinned(x: Floats, y: Floats, max_points: int = MAX_POINTS) -> tuple[Floats, Floats]:
     """Return at most so many points, with every peak: the extremes of each stretch are kept."""
-    if len(x) <= most:
+    if len(x) <= max_points:
         return x, y
-    stretches = most // 2
+    stretches = max_points // 2
     edges = np.linspace(0, len(x), stretches + 1).astype(np.intp)
     keep = np.empty(2 * stretches, dtype=np.intp)
     filled = np.where(np.isfinite(y), y, 0.0)

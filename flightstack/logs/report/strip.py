@@ -5,26 +5,26 @@ from html import escape
 
 import numpy as np
 
-from flightstack.logs.flight.decisions import ALL_MEMBERS, LINEAR, UNITS, VELOCITIES
-from flightstack.logs.flight.why import Failure, Moment
-from flightstack.logs.report.plotting import PARTS, Floats
+from flightstack.logs.flight.decisions import ALL_MEMBERS, UNITS, VELOCITIES
+from flightstack.logs.flight.why import FailedGate, Moment
+from flightstack.logs.report.plotting import PART_COLOURS, Floats
 
 DOTS_WIDTH, DOTS_ROW = 128, 22
 BAR_WIDTH = 128
 
 
-def _ranges(moments: tuple[Moment, ...]) -> Floats:
+def _ranges(failed: FailedGate) -> Floats:
     """Return the least and greatest value of each velocity over the strip, (4, 2)."""
-    values = np.vstack([np.vstack([m.command, m.predictions]) for m in moments])
+    values = failed.velocities()
     low, high = values.min(axis=0), values.max(axis=0)
     room = np.maximum(0.08 * (high - low), 0.05)
     return np.stack([low - room, high + room], axis=1)
 
 
 def _picture(moment: Moment) -> str:
-    if moment.frame is None:
+    if moment.image is None:
         return '<div class="no-frame">frame not recorded</div>'
-    data = base64.b64encode(moment.frame.read_bytes()).decode()
+    data = base64.b64encode(moment.image.read_bytes()).decode()
     return f'<img alt="camera frame" src="data:image/png;base64,{data}">'
 
 
@@ -58,8 +58,8 @@ def _dots(moment: Moment, ranges: Floats) -> str:
 def _bars(moment: Moment, longest: float) -> str:
     """Return the parts of the uncertainty as bars of the velocities' length."""
     bars = []
-    for name, colour in PARTS.items():
-        std = float(np.linalg.norm(getattr(moment, f"{name}_std")[LINEAR]))
+    for name, colour in PART_COLOURS.items():
+        std = moment.std_m_s(name)
         width = BAR_WIDTH * std / longest if longest > 0 else 0
         bars.append(
             f'<div class="bar" title="{name} {std:.3f} m/s">'
@@ -78,17 +78,13 @@ def _numbers(moment: Moment) -> str:
     return f"<code>{command}</code><small>{chosen}<br>modes {modes}</small>"
 
 
-def strip_html(failure: Failure) -> str:
+def strip_html(failure: FailedGate) -> str:
     """Return the strip; a sentence where the log holds no decision before the failure."""
     text = escape(failure.event.text)
     if not failure.moments:
         return f"<p>{text}. The log holds no decisions of the seconds before.</p>"
-    ranges = _ranges(failure.moments)
-    longest = max(
-        float(np.linalg.norm(getattr(moment, f"{name}_std")[LINEAR]))
-        for moment in failure.moments
-        for name in PARTS
-    )
+    ranges = _ranges(failure)
+    longest = failure.max_std_m_s()
     cells = [
         f'<figure class="moment"><figcaption>{-moment.before_s:.2f} s</figcaption>'
         f"{_picture(moment)}{_numbers(moment)}{_dots(moment, ranges)}{_bars(moment, longest)}"
@@ -97,7 +93,7 @@ def strip_html(failure: Failure) -> str:
     ]
     keys = "".join(
         f'<span class="key"><i style="background:{colour}"></i>{name}</span>'
-        for name, colour in PARTS.items()
+        for name, colour in PART_COLOURS.items()
     )
     return (
         f"<p><b>{text}</b>. Left to right, the last decisions before it: the camera's picture; "

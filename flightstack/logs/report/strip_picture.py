@@ -5,22 +5,21 @@ from typing import Any
 
 import numpy as np
 
+from flightstack.libraries import load_pyplot
 from flightstack.logs.errors import LogFileError
-from flightstack.logs.flight.decisions import LINEAR, VELOCITIES
-from flightstack.logs.flight.why import Failure, Moment
-from flightstack.logs.report.matplotlib_loader import load_pyplot
-
-PARTS = {"aleatoric": "#e69f00", "epistemic": "#d1495b", "perceptual": "#2a9d8f"}
+from flightstack.logs.flight.decisions import PARTS, VELOCITIES
+from flightstack.logs.flight.why import FailedGate, Moment
+from flightstack.logs.report.plotting import PART_COLOURS
 
 
 def _picture(axes: Any, moment: Moment, read: Any) -> None:
     axes.set_title(f"{-moment.before_s:.2f} s", fontsize=9)
     axes.set_xticks([])
     axes.set_yticks([])
-    if moment.frame is None:
+    if moment.image is None:
         axes.text(0.5, 0.5, "not\nrecorded", ha="center", va="center", transform=axes.transAxes)
     else:
-        axes.imshow(read(moment.frame), interpolation="nearest")
+        axes.imshow(read(moment.image), interpolation="nearest")
 
 
 def _members(axes: Any, moment: Moment, limits: tuple[float, float]) -> None:
@@ -37,23 +36,22 @@ def _members(axes: Any, moment: Moment, limits: tuple[float, float]) -> None:
 
 
 def _bars(axes: Any, moment: Moment, longest: float) -> None:
-    stds = [float(np.linalg.norm(getattr(moment, f"{name}_std")[LINEAR])) for name in PARTS]
-    axes.barh(range(len(PARTS)), stds, color=list(PARTS.values()))
-    axes.set_yticks(range(len(PARTS)), PARTS if axes.get_subplotspec().is_first_col() else [])
+    rows = range(len(PARTS))
+    axes.barh(rows, list(map(moment.std_m_s, PARTS)), color=list(PART_COLOURS.values()))
+    axes.set_yticks(rows, PARTS if axes.get_subplotspec().is_first_col() else [])
     axes.set_xlim(0, longest)
     axes.invert_yaxis()
     axes.tick_params(labelsize=7)
 
 
-def draw_strip(failure: Failure, output: Path) -> None:
+def draw_strip(failure: FailedGate, output: Path) -> None:
     """Draw pictures, predictions and uncertainty, one column a moment."""
-    pyplot = load_pyplot()
+    pyplot = load_pyplot("logs")
     moments = failure.moments
     if not moments:
         raise LogFileError("the log holds no decisions of the seconds before: nothing to draw")
-    values = np.vstack([np.vstack([m.command, m.predictions]) for m in moments])
+    values = failure.velocities()
     limits = (float(values.min()) - 0.1, float(values.max()) + 0.1)
-    stds = [np.linalg.norm(getattr(m, f"{name}_std")[LINEAR]) for m in moments for name in PARTS]
     figure, axes = pyplot.subplots(
         3,
         len(moments),
@@ -64,7 +62,7 @@ def draw_strip(failure: Failure, output: Path) -> None:
     for column, moment in enumerate(moments):
         _picture(axes[0, column], moment, pyplot.imread)
         _members(axes[1, column], moment, limits)
-        _bars(axes[2, column], moment, 1.05 * max(map(float, stds)))
+        _bars(axes[2, column], moment, 1.05 * failure.max_std_m_s())
     figure.suptitle(failure.event.text, fontsize=11)
     figure.tight_layout()
     try:

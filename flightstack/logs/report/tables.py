@@ -5,9 +5,9 @@ from html import escape
 from itertools import islice
 
 from flightstack.logs.checks import Finding, Level
+from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.parameters import read_parameters
-from flightstack.logs.text.summary import Facts
 
 WORDS = {
     Level.ERROR: "error",
@@ -15,7 +15,7 @@ WORDS = {
     Level.OK: "ok",
     Level.SKIPPED: "no data",
 }
-MOST_ROWS = 1500
+MAX_ROWS = 1500
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[object]], numbers: set[int]) -> str:
@@ -28,7 +28,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]], numbers: set[in
     header = "".join(cell("th", index, name) for index, name in enumerate(head))
     body = "".join(
         "<tr>" + "".join(cell("td", index, value) for index, value in enumerate(row)) + "</tr>"
-        for row in islice(rows, MOST_ROWS)
+        for row in islice(rows, MAX_ROWS)
     )
     return f'<div class="scroll"><table><tr>{header}</tr>{body}</table></div>'
 
@@ -47,10 +47,7 @@ def checks_table(findings: Iterable[Finding]) -> str:
 
 def texts_table(flight: Flight) -> str:
     """Return all status texts."""
-    rows = (
-        (f"{flight.seconds(t.time_us):.2f}", f"{t.system}/{t.component}", t.level, t.text)
-        for t in flight.texts
-    )
+    rows = ((f"{flight.seconds(t.time_us):.2f}", t.source, t.level, t.text) for t in flight.texts)
     return table(("s", "source", "level", "text"), rows, {0})
 
 

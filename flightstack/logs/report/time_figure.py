@@ -11,7 +11,7 @@ from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.setpoints import boot_offset_us, stamp_latency_ms
 from flightstack.logs.report.plotting import (
     INK,
-    PARTS,
+    PART_COLOURS,
     RESPONSE,
     SETPOINT,
     Floats,
@@ -29,7 +29,7 @@ MEMBER_COLOURS = ("#1f6feb", "#2a9d8f", "#8e6bbf", "#e69f00")  # by velocity
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class PlotRow:
     """One plot of the figure: what stands beside it, and its traces."""
 
     title: str
@@ -40,39 +40,39 @@ def _seconds(flight: Flight, times: NDArray[np.int64]) -> Floats:
     return np.multiply(times - flight.start_us, 1e-6, dtype=np.float64)
 
 
-def _velocity_rows(flight: Flight) -> list[Row]:
+def _velocity_rows(flight: Flight) -> list[PlotRow]:
     tracking = flight.tracking
     if not len(tracking):
         return []
     x = _seconds(flight, tracking.time_us)
     rows = []
     for index, (name, unit) in enumerate(zip(VELOCITIES, UNITS, strict=True)):
-        asked = line(
+        setpoint = line(
             x, tracking.setpoint[:, index], "setpoint", SETPOINT, shape="hv", width=2,
             legendgroup="setpoint", showlegend=index == 0,
         )  # fmt: skip
-        done = line(
+        response = line(
             x, tracking.response[:, index], "response", RESPONSE,
             legendgroup="response", showlegend=index == 0,
         )  # fmt: skip
-        rows.append(Row(title=f"{name}, {unit}", traces=[asked, done]))
+        rows.append(PlotRow(title=f"{name}, {unit}", traces=[setpoint, response]))
     return rows
 
 
-def _uncertainty_row(flight: Flight) -> list[Row]:
+def _uncertainty_row(flight: Flight) -> list[PlotRow]:
     decisions = flight.decisions
     if not len(decisions):
         return []
     x = _seconds(flight, decisions.time_us)
     traces = []
-    for name, colour in PARTS.items():
+    for name, colour in PART_COLOURS.items():
         std = getattr(decisions, f"{name}_std")[:, LINEAR]
         length = np.asarray(np.linalg.norm(std, axis=1), dtype=np.float64)
         traces.append(line(x, length, name, colour))
-    return [Row(title="std, m/s", traces=traces)]
+    return [PlotRow(title="std, m/s", traces=traces)]
 
 
-def _choice_rows(flight: Flight) -> list[Row]:
+def _choice_rows(flight: Flight) -> list[PlotRow]:
     decisions = flight.decisions
     if not len(decisions):
         return []
@@ -88,16 +88,16 @@ def _choice_rows(flight: Flight) -> list[Row]:
         shift = 0.12 * (index - 1.5)  # so that equal counts stand beside each other
         dots = line(x, count + shift, name, colour, showlegend=not chosen, legendgroup=name)
         modes.append({**dots, "mode": "markers", "marker": {"size": 3, "color": colour}})
-    rows = [Row(title="member", traces=chosen)] if chosen else []
-    return [*rows, Row(title="modes", traces=modes)]
+    rows = [PlotRow(title="member", traces=chosen)] if chosen else []
+    return [*rows, PlotRow(title="modes", traces=modes)]
 
 
-def _latency_row(flight: Flight) -> list[Row]:
+def _latency_row(flight: Flight) -> list[PlotRow]:
     answers = flight.answers
     if len(answers.latency_ms):
         x = _seconds(flight, answers.time_us)
         trace = line(x, answers.latency_ms, "frame to setpoint", "#8e6bbf")
-        return [Row(title="latency, ms", traces=[trace])]
+        return [PlotRow(title="latency, ms", traces=[trace])]
     if flight.vehicle is None or not len(flight.setpoints):
         return []
     offset_us = boot_offset_us(flight.log, flight.vehicle)
@@ -107,10 +107,10 @@ def _latency_row(flight: Flight) -> list[Row]:
     if not np.isfinite(late).any():
         return []
     trace = line(_seconds(flight, flight.setpoints.time_us), late, "stamp to setpoint", "#8e6bbf")
-    return [Row(title="latency, ms", traces=[trace])]
+    return [PlotRow(title="latency, ms", traces=[trace])]
 
 
-def _motion_rows(flight: Flight) -> list[Row]:
+def _motion_rows(flight: Flight) -> list[PlotRow]:
     motion = flight.motion
     if not len(motion):
         return []
@@ -118,11 +118,14 @@ def _motion_rows(flight: Flight) -> list[Row]:
     height = line(x, -motion.position_ned[:, 2], "height", "#1c7c54")
     speed = line(x, motion.horizontal_speed_m_s, "horizontal speed", "#33658a")
     climb = line(x, -motion.velocity_ned[:, 2], "climb", "#c08497")
-    rows = [Row(title="height, m", traces=[height]), Row(title="m/s", traces=[speed, climb])]
+    rows = [
+        PlotRow(title="height, m", traces=[height]),
+        PlotRow(title="m/s", traces=[speed, climb]),
+    ]
     return rows[:1] if len(flight.tracking) else rows
 
 
-def _attitude_row(flight: Flight) -> list[Row]:
+def _attitude_row(flight: Flight) -> list[PlotRow]:
     table = flight.of_vehicle("ATTITUDE")
     if not len(table):
         return []
@@ -132,19 +135,18 @@ def _attitude_row(flight: Flight) -> list[Row]:
         line(x, np.degrees(table[name].astype(np.float64)), name, colour)
         for name, colour in colours.items()
     ]
-    return [Row(title="tilt, deg", traces=traces)]
+    return [PlotRow(title="tilt, deg", traces=traces)]
 
 
-def _battery_row(flight: Flight) -> list[Row]:
-    table = flight.of_vehicle("SYS_STATUS")
-    table = table.take((table["voltage_battery"] > 0) & (table["voltage_battery"] < 65535))
+def _battery_row(flight: Flight) -> list[PlotRow]:
+    table = flight.battery
     if len(table) < 2:
         return []
     x, volts = _seconds(flight, table.time_us), table["voltage_battery"] * 1e-3
-    return [Row(title="battery, V", traces=[line(x, volts, "battery", "#6d597a")])]
+    return [PlotRow(title="battery, V", traces=[line(x, volts, "battery", "#6d597a")])]
 
 
-ROWS: tuple[Callable[[Flight], list[Row]], ...] = (
+ROWS: tuple[Callable[[Flight], list[PlotRow]], ...] = (
     _velocity_rows,
     _uncertainty_row,
     _choice_rows,
@@ -175,7 +177,7 @@ def _event_traces(flight: Flight) -> list[Json]:
                     "name": name,
                     "showlegend": False,
                     "marker": {"symbol": symbol, "size": 9, "color": colour},
-                    "hovertext": [f"{text.system}/{text.component} {text.text}" for text in texts],
+                    "hovertext": [f"{text.source} {text.text}" for text in texts],
                     "hoverinfo": "text+x",
                 }
             )

@@ -14,12 +14,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.tlog.byte_view import at_every_byte
+
 Bytes = NDArray[np.uint8]
 Places = NDArray[np.int64]
 Part = str | NDArray[np.generic]  # of a line: a constant, (n,) numbers, or (n, width) Bytes
 ONE_DIGIT = (1e-10, 1e-5)  # between these orjson writes e-7 where `str` writes e-07
 NO_EXPONENT = (1e-5, 1e-4)  # between these orjson writes no exponent, but `str` does
-LONGEST_NUMBER = 24  # -2.2250738585072014e-308
+MAX_NUMBER_LENGTH = 24  # -2.2250738585072014e-308
 Rewritten = tuple[NDArray[np.intp], Bytes]  # rows, and their new texts
 
 
@@ -77,11 +79,6 @@ def from_texts(values: Sequence[str]) -> Bytes:
     return array.view(np.uint8).reshape(-1, width) if len(array) else np.empty((0, 1), np.uint8)
 
 
-def _pieces(flat: Bytes, width: int) -> NDArray[np.void]:
-    """Return what stands at each place, so many bytes of it: a view."""
-    return np.ndarray((len(flat) - width + 1,), f"V{width}", buffer=flat, strides=(1,))
-
-
 def _from_matrix(matrix: Bytes, pool: Pool) -> Cells:
     """Return the rows of a matrix, without the NULs in them."""
     is_text = matrix != 0
@@ -100,7 +97,7 @@ def _cut(listed: Bytes) -> Cells:
 def _matrix(listed: Bytes, cells: Cells, rows: NDArray[np.intp]) -> Bytes:
     """Return the numbers in these rows as a matrix, padded with NUL."""
     length = cells.length[rows, None]
-    count = np.arange(LONGEST_NUMBER)
+    count = np.arange(MAX_NUMBER_LENGTH)
     matrix = listed[np.minimum(cells.start[rows, None] + count, len(listed) - 1)]
     return np.where(count < length, matrix, np.uint8(0))
 
@@ -110,8 +107,8 @@ def _rewritten(values: NDArray[np.float64], listed: Bytes, cells: Cells) -> Iter
     size = np.abs(values)
     small = np.flatnonzero(size < NO_EXPONENT[1])
     size = size[small]
-    for (least, most), rewritten in REWRITTEN:
-        rows = small[(size >= least) & (size < most)]
+    for (low, high), rewritten in REWRITTEN:
+        rows = small[(size >= low) & (size < high)]
         if len(rows):
             yield rows, rewritten(_matrix(listed, cells, rows))
 
@@ -227,10 +224,11 @@ def beside(parts: Sequence[Part], count: int) -> Lines:
     size = int(places[-1, -1]) + width
     text = np.empty(size + room, dtype=np.uint8)
     to = places[:, :-1] + np.array(shifts, dtype=np.int64)
-    _pieces(text, room)[to] = _pieces(pool.joined(room), room)[cells.start]
+    piece = f"V{room}"
+    at_every_byte(text, piece)[to] = at_every_byte(pool.joined(room), piece)[cells.start]
     for place, shift, block in fixed:
-        pieces = block.reshape(-1).view(f"V{block.shape[1]}")
-        _pieces(text, block.shape[1])[places[:, place] + shift] = pieces
+        piece = f"V{block.shape[1]}"
+        at_every_byte(text, piece)[places[:, place] + shift] = block.reshape(-1).view(piece)
     return Lines(text[:size], places[:, -1] + width)
 
 

@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.table import Table
 from flightstack.logs.errors import UnknownNameError
 from flightstack.logs.text import fast_text
-from flightstack.logs.tlog.log import Log
-from flightstack.logs.tlog.table import Table
 
-CHUNK = 6_000  # frames whose lines are made at once: a compromise between steps and caches
+CHUNK = 6_000  # packets whose lines are made at once: a compromise between steps and caches
 Text = fast_text.Lines | list[bytes]  # the lines of one type
 HUNDREDTHS = fast_text.from_texts([f"{number:02d}" for number in range(100)])
 
@@ -135,7 +135,7 @@ def csv_columns(log: Log, types: Sequence[str]) -> tuple[str, ...]:
 
 
 def lines(log: Log, options: LineOptions) -> Iterator[bytes]:
-    """Yield the lines of all frames of a log in its order, many at a time."""
+    """Yield the lines of all packets of a log in its order, many at a time."""
     write = WRITERS[options.format]
     for start in range(0, len(log), CHUNK):
         part = log.rows(slice(start, start + CHUNK))

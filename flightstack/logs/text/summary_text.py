@@ -4,11 +4,11 @@ import time
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from flightstack.logs.text.summary import Facts
+from flightstack.logs.facts.values import Facts
 
-MOST_REGIONS = 5
-MOST_TYPES = 12
-MOST_TEXTS = 60
+MAX_REGIONS = 5
+MAX_TYPES = 12
+MAX_TEXTS = 60
 MARKS = {"error": "ERROR", "warning": "warn ", "ok": "ok   ", "skipped": "-    "}
 
 
@@ -88,13 +88,13 @@ def _timeline(facts: Facts) -> Iterator[str]:
         if span["start_s"] + span["duration_s"] < facts["duration_s"]:
             events.append((span["start_s"] + span["duration_s"], "disarmed"))
     events += [(f["start_s"], f"failsafe: {f['state']}") for f in facts["failsafes"]]
-    texts = facts["texts"][:MOST_TEXTS]
+    texts = facts["texts"][:MAX_TEXTS]
     events += [(t["at_s"], f"{t['source']} {t['level']}: {t['text']}") for t in texts]
     yield "  timeline"
     for at_s, what in sorted(events, key=lambda event: event[0]):
         yield f"    {at_s:9.2f} s  {what}"
-    if len(facts["texts"]) > MOST_TEXTS:
-        yield f"    ... {len(facts['texts']) - MOST_TEXTS} more texts: see the command texts"
+    if len(facts["texts"]) > MAX_TEXTS:
+        yield f"    ... {len(facts['texts']) - MAX_TEXTS} more texts: see the command texts"
 
 
 def _table(rows: Iterable[tuple[Any, ...]]) -> Iterator[str]:
@@ -121,8 +121,8 @@ def _links(facts: Facts) -> Iterator[str]:
     ]
     yield from _table([head, *rows])
     counts = list(facts["counts"].items())
-    named = ", ".join(f"{name} {count}" for name, count in counts[:MOST_TYPES])
-    more = f", {len(counts) - MOST_TYPES} more types" if len(counts) > MOST_TYPES else ""
+    named = ", ".join(f"{name} {count}" for name, count in counts[:MAX_TYPES])
+    more = f", {len(counts) - MAX_TYPES} more types" if len(counts) > MAX_TYPES else ""
     yield f"  messages  {named}{more}"
 
 
@@ -131,13 +131,13 @@ def _damage(facts: Facts) -> Iterator[str]:
     if not regions:
         return
     yield f"  damage    {facts['damage']['lost_bytes']} bytes in {len(regions)} places"
-    for region in regions[:MOST_REGIONS]:
+    for region in regions[:MAX_REGIONS]:
         yield (
             f"    {region['bytes']} bytes at {region['offset']} ({region['kind']}), "
             f"after {region['at_s']:.2f} s"
         )
-    if len(regions) > MOST_REGIONS:
-        yield f"    ... {len(regions) - MOST_REGIONS} more"
+    if len(regions) > MAX_REGIONS:
+        yield f"    ... {len(regions) - MAX_REGIONS} more"
 
 
 def check_lines(findings: Iterable[dict[str, str]]) -> Iterator[str]:

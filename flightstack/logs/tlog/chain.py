@@ -1,7 +1,7 @@
-"""Find the frames of some messages only, where the records of a log stand in an unbroken chain.
+"""Find the packets of some messages only, where the records of a log stand in an unbroken chain.
 
 A record begins where the one before it ends. Where this holds from the first byte of a log to the
-last, what lies between is known without a checksum, and only the frames that were asked for are
+last, what lies between is known without a checksum, and only the packets that were asked for are
 checked. What comes out is what a whole read would select: wherever that is not certain, nothing
 comes out, and the log has to be read whole.
 """
@@ -11,10 +11,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.dialect.dialect import framing_tables
+from flightstack.logs.dialect.message_types import packet_tables
 from flightstack.logs.tlog.clock import RunningClock
-from flightstack.logs.tlog.frames import MARGIN, TIMESTAMP, Frames, join
-from flightstack.logs.tlog.framing import (
+from flightstack.logs.tlog.packet_search import (
     Bytes,
     Candidates,
     Positions,
@@ -24,7 +23,8 @@ from flightstack.logs.tlog.framing import (
     known,
     record_times,
 )
-from flightstack.logs.tlog.source import WINDOW_BYTES, Source
+from flightstack.logs.tlog.packets import MARGIN, TIMESTAMP, Packets, join
+from flightstack.logs.tlog.source import WINDOW_BYTES, ByteSource
 
 # marks of a byte: a time after a record ends here, a record starts here, and one of the chain does
 FOLLOWS, BEGINS, IN_CHAIN = 1, 2, 4
@@ -68,17 +68,17 @@ def _wanted(data: Bytes, headers: Candidates, msgids: list[int]) -> Candidates:
     low_bytes[[msgid & 0xFF for msgid in msgids]] = True
     low = data[headers.position + np.where(headers.is_v2, 7, 5)]
     found = known(data, headers.take(np.flatnonzero(low_bytes[low])))
-    asked = np.zeros(len(framing_tables().ids), dtype=np.bool_)
-    asked[np.searchsorted(framing_tables().ids, msgids)] = True
-    return found.take(np.flatnonzero(asked[found.row]))
+    wanted = np.zeros(len(packet_tables().ids), dtype=np.bool_)
+    wanted[np.searchsorted(packet_tables().ids, msgids)] = True
+    return found.take(np.flatnonzero(wanted[found.row]))
 
 
 def _in_window(
     data: Bytes, msgids: list[int], marks: Bytes, *, is_last: bool
-) -> tuple[Frames, Positions, int] | None:
-    """Return the wanted frames, the times of all records, and where the last of them ends.
+) -> tuple[Packets, Positions, int] | None:
+    """Return the wanted packets, the times of all records, and where the last of them ends.
 
-    `data` begins with a record. None where the chain breaks, or a wanted frame is damaged, or one
+    `data` begins with a record. None where the chain breaks, or a wanted packet is damaged, or one
     stands outside the chain.
     """
     found = find_headers(data)
@@ -90,26 +90,26 @@ def _in_window(
     stop = int(end[rows[-1]]) if len(rows) else 0
     if not _is_unbroken(position, end[rows]) or (is_last and stop != len(data)):
         return None
-    asked = _wanted(data, found, msgids)
-    asked = asked.take(asked.position < stop)
-    holds = holds_checksum(data, asked)
+    wanted = _wanted(data, found, msgids)
+    wanted = wanted.take(wanted.position < stop)
+    holds = holds_checksum(data, wanted)
     marks[position] = IN_CHAIN
-    if not np.array_equal(holds, marks[asked.position] == IN_CHAIN):
+    if not np.array_equal(holds, marks[wanted.position] == IN_CHAIN):
         return None
-    frames = asked.take(holds)
-    free_from = frames.position - TIMESTAMP
+    packets = wanted.take(holds)
+    free_from = packets.position - TIMESTAMP
     times = record_times(data, position, position - TIMESTAMP)
-    return describe(data, frames, record_times(data, frames.position, free_from)), times, stop
+    return describe(data, packets, record_times(data, packets.position, free_from)), times, stop
 
 
 def find_chained(
-    source: Source, msgids: list[int], window_bytes: int = WINDOW_BYTES
-) -> Frames | None:
-    """Return the frames with these ids, all of them known, in file order.
+    source: ByteSource, msgids: list[int], window_bytes: int = WINDOW_BYTES
+) -> Packets | None:
+    """Return the packets with these ids, all of them known, in file order.
 
     None where the log has to be read whole: its chain of records is broken, or its clock jumps.
     """
-    parts: list[Frames] = []
+    parts: list[Packets] = []
     clock = RunningClock()
     marks = np.empty(window_bytes + TIMESTAMP + 1, dtype=np.uint8)  # once, not a window
     edge = 0
@@ -118,7 +118,7 @@ def find_chained(
         found = _in_window(data, msgids, marks, is_last=edge + window_bytes >= source.size)
         if found is None or not clock.runs_on(found[1]):
             return None
-        frames, _, stop = found
-        parts.append(replace(frames, offset=frames.offset + edge))
+        packets, _, stop = found
+        parts.append(replace(packets, offset=packets.offset + edge))
         edge += stop
     return join(parts) if parts else None

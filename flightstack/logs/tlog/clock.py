@@ -5,12 +5,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.tlog.frames import NO_TIME
+from flightstack.logs.tlog.packets import NO_TIME
 
 SPIKE_US = 1_000_000  # a time this far from those around it, which agree, is damaged
 DAY_US = 86_400_000_000
 MEDIAN_OF = 5
-MOST_DAMAGED = 0.1  # of all times
+MAX_DAMAGED_SHARE = 0.1  # of all times
 JUMP_BACK_US = 1_000_000  # smaller steps back are several links written from several threads
 JUMP_AHEAD_US = 60_000_000  # a minute of silence: the clock jumped, or logging paused
 
@@ -20,7 +20,7 @@ Times = NDArray[np.int64]
 class ClockJump(NamedTuple):
     """A place where time runs backwards, or leaps ahead."""
 
-    row: int  # first frame after the jump
+    row: int  # first packet after the jump
     time_us: int  # before the jump
     jump_us: int  # negative: backwards
 
@@ -70,7 +70,7 @@ def mend(times: Times) -> tuple[Times, int]:
     lost = times == NO_TIME
     filled = _filled(times)
     damaged = spikes(filled)
-    if len(damaged) > MOST_DAMAGED * len(times):
+    if len(damaged) > MAX_DAMAGED_SHARE * len(times):
         damaged = damaged[:0]
     lost[damaged] = True
     return _filled(np.where(lost, NO_TIME, filled)), int(lost.sum())

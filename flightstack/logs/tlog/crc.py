@@ -1,7 +1,7 @@
-"""Check the checksums of many MAVLink frames at once (CRC-16/MCRF4XX, as MAVLink uses it).
+"""Check the checksums of many MAVLink packets at once (CRC-16/MCRF4XX, as MAVLink uses it).
 
 Two bytes a step: the state after a 16-bit word depends on state XOR word alone, so one table of
-65,536 entries replaces two of the usual byte steps. Frames of like length are gathered as rows,
+65,536 entries replaces two of the usual byte steps. Packets of like length are gathered as rows,
 ends aligned and zeros before their first byte: from state zero, leading zeros change nothing. What
 the true initial state would have added depends on the length alone, and is added at the end.
 """
@@ -11,10 +11,12 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.tlog.byte_view import at_every_byte
+
 POLYNOMIAL = 0x8408  # x^16 + x^12 + x^5 + 1, reflected
 INITIAL = 0xFFFF
 ROW_STEP = 8  # rows are multiples of this wide, so that few widths occur
-LONGEST = 512  # bytes under one checksum; MAVLink has at most 264
+MAX_BYTES = 512  # bytes under one checksum; MAVLink has at most 264
 
 
 @cache
@@ -37,10 +39,10 @@ def word_table() -> NDArray[np.uint16]:
 
 @cache
 def initial_part() -> NDArray[np.uint16]:
-    """Return the state after n zero bytes from the initial state, for n up to LONGEST."""
+    """Return the state after n zero bytes from the initial state, for n up to MAX_BYTES."""
     table = byte_table().tolist()
     states = [INITIAL]
-    for _ in range(LONGEST):
+    for _ in range(MAX_BYTES):
         states.append((states[-1] >> 8) ^ table[states[-1] & 0xFF])
     return np.array(states, dtype=np.uint16)
 
@@ -52,13 +54,13 @@ def step(crc: NDArray[np.uint16], byte: NDArray[np.uint16]) -> NDArray[np.uint16
 
 
 def _row_checksums(rows: NDArray[np.uint8], lengths: NDArray[np.int64]) -> NDArray[np.uint16]:
-    """Return the checksums of rows that end with `lengths` bytes of frame each."""
+    """Return the checksums of rows that end with `lengths` bytes of packet each."""
     width = rows.shape[1]
-    least, most = width - int(lengths.max()), width - int(lengths.min())  # foreign bytes
-    rows[:, :least] = 0
-    if least < most:
-        foreign = np.arange(least, most) < (width - lengths)[:, None]
-        rows[:, least:most][foreign] = 0
+    low, high = width - int(lengths.max()), width - int(lengths.min())  # foreign bytes
+    rows[:, :low] = 0
+    if low < high:
+        foreign = np.arange(low, high) < (width - lengths)[:, None]
+        rows[:, low:high][foreign] = 0
     words = np.ascontiguousarray(rows.view("<u2").T)  # (width / 2, n): each step reads one row
     table = word_table()
     crc = np.zeros(len(rows), dtype=np.uint16)
@@ -81,10 +83,7 @@ def checksums(
     for steps in np.flatnonzero(np.bincount(step_counts)).tolist():
         members = np.flatnonzero(step_counts == steps)
         width = steps * ROW_STEP
-        every_row = np.ndarray(
-            (len(data) - width + 1,), dtype=f"V{width}", buffer=data, strides=(1,)
-        )
         first = starts[members] + lengths[members] - width
-        rows = every_row[first].view(np.uint8).reshape(len(members), width)
+        rows = at_every_byte(data, f"V{width}")[first].view(np.uint8).reshape(len(members), width)
         result[members] = _row_checksums(rows, lengths[members])
     return result

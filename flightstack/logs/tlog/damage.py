@@ -1,4 +1,4 @@
-"""Count and locate what a log has lost: bytes that are no frames, times, and sequence numbers."""
+"""Count and locate what a log has lost: bytes that are no packets, times, and sequence numbers."""
 
 from dataclasses import dataclass
 
@@ -6,23 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs.tlog import clock
-from flightstack.logs.tlog.frames import (
-    CHECKSUM,
-    HEADER_V1,
+from flightstack.logs.tlog.packets import (
     HEADER_V2,
     LINK_BITS,
-    SIGNATURE,
     TIMESTAMP,
-    Frames,
+    Packets,
+    packet_length,
 )
-from flightstack.logs.tlog.source import Source
+from flightstack.logs.tlog.source import ByteSource
 
 REORDERED = 128  # a step this far ahead in sequence numbers of 8 bits is a step back
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Region:
-    """A stretch of the file that holds no frame."""
+    """A stretch of the file that holds no packet."""
 
     offset: int
     length: int
@@ -73,35 +71,23 @@ class Damage:
         return not (self.regions or self.jumps or self.mended_times or self.duplicates)
 
 
-def _frame_length(head: NDArray[np.uint8]) -> int:
-    """Return how long the frame is that starts with `head`, 0 where it is none."""
-    if len(head) < 3:
-        return 0
-    magic, length, incompatible = head[:3].tolist()
-    if magic == 0xFE:
-        return int(HEADER_V1 + length + CHECKSUM)
-    if magic == 0xFD and incompatible <= 1:
-        return int(HEADER_V2 + length + CHECKSUM + SIGNATURE * incompatible)
-    return 0
-
-
-def _kind(source: Source, offset: int, length: int) -> str:
+def _kind(source: ByteSource, offset: int, length: int) -> str:
     head = source.read(offset, offset + TIMESTAMP + HEADER_V2)
-    expected = _frame_length(head[TIMESTAMP:])
+    expected = packet_length(head[TIMESTAMP:])
     if offset + length == source.size and (length < TIMESTAMP + 3 or expected > length - TIMESTAMP):
         return "cut"
     return "damaged frame" if expected == length - TIMESTAMP else "foreign bytes"
 
 
 def find_regions(
-    source: Source, frames: Frames, times: NDArray[np.int64]
+    source: ByteSource, packets: Packets, times: NDArray[np.int64]
 ) -> tuple[list[Region], bool]:
-    """Return the stretches without a frame, and whether the records have times before them."""
-    if not len(frames):
+    """Return the stretches without a packet, and whether the records have times before them."""
+    if not len(packets):
         whole = (0, source.size)
         return ([_region(source, *whole, 0)] if source.size else []), True
-    end = frames.end
-    space = frames.offset.copy()  # before each frame
+    end = packets.end
+    space = packets.offset.copy()  # before each packet
     space[1:] -= end[:-1]
     has_times = np.count_nonzero(space >= TIMESTAMP) * 2 >= len(space)
     gap = TIMESTAMP if has_times else 0
@@ -116,25 +102,24 @@ def find_regions(
     return regions, bool(has_times)
 
 
-def _region(source: Source, offset: int, length: int, time_us: int) -> Region:
+def _region(source: ByteSource, offset: int, length: int, time_us: int) -> Region:
     kind = _kind(source, offset, length)
     return Region(offset=offset, length=length, time_us=time_us, kind=kind)
 
 
-def count_duplicates(frames: Frames, times: NDArray[np.int64]) -> int:
+def count_duplicates(packets: Packets, times: NDArray[np.int64]) -> int:
     """Return how many records repeat one before: same time, sender, sequence and message."""
-    key = frames.msgid.astype(np.int64) << 24
-    key |= frames.system.astype(np.int64) << 16 | frames.component.astype(np.int64) << 8
-    key |= frames.sequence
+    key = packets.msgid.astype(np.int64) << 24
+    key |= packets.sender.astype(np.int64) << 8 | packets.sequence
     order = np.lexsort((key, times))
     same = (np.diff(times[order]) == 0) & (np.diff(key[order]) == 0)
     return int(np.count_nonzero(same))
 
 
-def find_damage(source: Source, frames: Frames, time_us: NDArray[np.int64]) -> Damage:
-    """Return what a log has lost, from all of its frames and their mended times."""
-    regions, has_times = find_regions(source, frames, time_us)
-    _, mended = clock.mend(frames.time_us)
+def find_damage(source: ByteSource, packets: Packets, time_us: NDArray[np.int64]) -> Damage:
+    """Return what a log has lost, from all of its packets and their mended times."""
+    regions, has_times = find_regions(source, packets, time_us)
+    _, mended = clock.mend(packets.time_us)
     jumps = tuple(clock.jumps(time_us))
     backwards = any(jump.jump_us < 0 for jump in jumps)
     return Damage(
@@ -142,7 +127,7 @@ def find_damage(source: Source, frames: Frames, time_us: NDArray[np.int64]) -> D
         has_times=has_times,
         mended_times=mended if has_times else 0,
         jumps=jumps,
-        duplicates=count_duplicates(frames, time_us) if backwards else 0,
+        duplicates=count_duplicates(packets, time_us) if backwards else 0,
     )
 
 
@@ -163,14 +148,13 @@ def _stream_steps(sequence: NDArray[np.uint8], link: NDArray[np.uint8]) -> tuple
     return (by_link[0], by_link[1], by_link[2]) if better else together
 
 
-def find_losses(frames: Frames) -> tuple[SourceLoss, ...]:
+def find_losses(packets: Packets) -> tuple[SourceLoss, ...]:
     """Return what the sequence numbers of every sender tell, in order of system and component."""
-    sender = frames.system.astype(np.uint16) << 8 | frames.component
     losses = []
-    for key in np.unique(sender).tolist():
-        rows = sender == key
-        link = (frames.time_us[rows] & LINK_BITS).astype(np.uint8)
-        lost, repeated, reordered = _stream_steps(frames.sequence[rows], link)
+    for key in np.unique(packets.sender).tolist():
+        rows = packets.sender == key
+        link = (packets.time_us[rows] & LINK_BITS).astype(np.uint8)
+        lost, repeated, reordered = _stream_steps(packets.sequence[rows], link)
         losses.append(
             SourceLoss(
                 system=key >> 8,

@@ -24,7 +24,7 @@ MISTAKEN = {  # first bytes of files that people pass by mistake
 }
 
 
-class Source(Protocol):
+class ByteSource(Protocol):
     """Bytes of a log that can be read at any place."""
 
     @property
@@ -67,14 +67,14 @@ class MemorySource(NamedTuple):
         return self.data[start:stop]
 
 
-def held(source: Source) -> Source:
+def held(source: ByteSource) -> ByteSource:
     """Return a small log in memory, to decode many types from it; a large one as it is."""
     if source.size > SMALL_BYTES:
         return source
     return MemorySource(source.read(0, source.size), source.name)
 
 
-def mapped(source: Source) -> Source:
+def mapped(source: ByteSource) -> ByteSource:
     """Return a small log in a file as memory that the system keeps it in; others as they are.
 
     Nothing is copied then. A log must not shrink while it is read so: the system ends a process
@@ -89,13 +89,13 @@ def mapped(source: Source) -> Source:
     return MemorySource(data[: source.size], source.name)
 
 
-def windows(source: Source, window_bytes: int = WINDOW_BYTES) -> Iterator[NDArray[np.uint8]]:
+def windows(source: ByteSource, window_bytes: int = WINDOW_BYTES) -> Iterator[NDArray[np.uint8]]:
     """Yield the log's bytes in order, window by window."""
     for start in range(0, source.size, window_bytes):
         yield source.read(start, start + window_bytes)
 
 
-def open_source(path: str | os.PathLike[str]) -> Source:
+def open_source(path: str | os.PathLike[str]) -> ByteSource:
     """Return the file as a source; LogFileError says in one line why it cannot be one."""
     name = os.fspath(path)
     try:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.errors import UsageError
-from flightstack.logs.report.matplotlib_loader import load_pyplot
+from flightstack.libraries import load_pyplot
 from flightstack.perception.labels import LABELS
 from flightstack.policy.scales import VelocityRange
 from flightstack.records import VELOCITIES
@@ -92,7 +92,7 @@ def pixel(point: NDArray[np.float64]) -> tuple[int, int]:
 
 def draw_histograms(dataset: Dataset, path: Path) -> None:
     """Write one histogram a label, the splits over each other."""
-    plt = load_pyplot()
+    plt = load_pyplot("logs")
     figure, axes = plt.subplots(2, 2, figsize=(10, 7), layout="constrained")
     for k, (name, plot) in enumerate(zip(dataset.label_names, axes.flat, strict=True)):
         edges = np.histogram_bin_edges(dataset.labels[:, k], bins=60)

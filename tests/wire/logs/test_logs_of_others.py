@@ -112,7 +112,7 @@ def test_logs_with_mavsdk_read_as_pymavlink_reads_them(tmp_path: Path) -> None:
                 wait_until(lambda: path.stat().st_size > 300_000, "log")
             kind.destroy()
     log = assert_equals_pymavlink(path, least=3000)
-    assert MAVSDK_SYSTEM in log.frames.system
+    assert MAVSDK_SYSTEM in log.packets.system
     assert "COMMAND_LONG" in log
     assert {loss.lost for loss in log.losses if loss.system == instance + 1} == {0}
 

@@ -12,7 +12,7 @@ from pymavlink.dialects.v20 import all as mavlink
 START_US = 1_700_000_000_000_000
 
 
-def frame(
+def packet(
     msgid: int,
     payload: bytes,
     *,
@@ -23,7 +23,7 @@ def frame(
     signed: bool = False,
     extra: int | None = None,
 ) -> bytes:
-    """Return one frame, whatever the message; a signature is made up."""
+    """Return one packet, whatever the message; a signature is made up."""
     if version == 1:
         head = struct.pack("<BBBBBB", 0xFE, len(payload), sequence, system, component, msgid)
     else:
@@ -43,8 +43,8 @@ def record(time_us: int, raw: bytes) -> bytes:
     return struct.pack(">Q", time_us) + raw
 
 
-def random_frames(count: int, seed: int, **options: Any) -> list[bytes]:
-    """Return frames of random types with random payloads, sequence numbers counting up."""
+def random_packets(count: int, seed: int, **options: Any) -> list[bytes]:
+    """Return packets of random types with random payloads, sequence numbers counting up."""
     rng = np.random.default_rng(seed)
     ids = sorted(mavlink.mavlink_map)
     version = options.get("version", 2)
@@ -56,7 +56,7 @@ def random_frames(count: int, seed: int, **options: Any) -> list[bytes]:
         payload = rng.bytes(size)
         if version == 2 and rng.random() < 0.3:
             payload = payload[: int(rng.integers(1, size + 1))].ljust(size, b"\0")
-        made.append(frame(msgid, payload, sequence=index % 256, **options))
+        made.append(packet(msgid, payload, sequence=index % 256, **options))
     return made
 
 
@@ -92,7 +92,7 @@ def tlog(messages: list[Any], *, step_us: int = 20_000, system: int = 1) -> byte
 
 
 def pymavlink_messages(path: Path) -> Iterator[Any]:
-    """Yield what pymavlink finds in a tlog, frames that are damaged or unknown left out."""
+    """Yield what pymavlink finds in a tlog, packets that are damaged or unknown left out."""
     connection = mavutil.mavlogfile(str(path), robust_parsing=True)
     connection.mav = mavlink.MAVLink(None)
     connection.mav.robust_parsing = True

@@ -6,9 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from flightstack.errors import UsageError
 from flightstack.evaluation.cli import COMMANDS, main
-from flightstack.evaluation.libraries import load_library
 from flightstack.evaluation.offline.predicting import PARTS
 from flightstack.evaluation.offline.scenes import SPOILS
 from flightstack.records import VELOCITIES
@@ -33,11 +31,6 @@ def test_unknown_model_is_one_line_and_exit_code_4(command, tmp_path, capsys):
     assert error.count("\n") == 1
     assert "unknown model 'strong/m9'" in error
     assert not (tmp_path / "out").exists()
-
-
-def test_missing_library_names_the_extra():
-    with pytest.raises(UsageError, match=r"needs nothing_like_it: .*flightstack\[evaluation\]"):
-        load_library("nothing_like_it.at_all")
 
 
 def test_figures_draws_the_ambiguous_image(tmp_path):

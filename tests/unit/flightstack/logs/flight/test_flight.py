@@ -8,11 +8,11 @@ from pymavlink.dialects.v20 import all as mavlink
 
 from flightstack.logs import read, read_bytes
 from flightstack.logs.checks import run_checks
+from flightstack.logs.facts.summary import summarise
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.modes import mode_name
 from flightstack.logs.flight.parameters import read_parameters
 from flightstack.logs.flight.tracking import response_lag_s
-from flightstack.logs.text.summary import summarise
 from flightstack.logs.text.summary_text import duration, one_line, page
 from tests.paths import GOLDEN
 from tests.unit.flightstack.logs.made_flights import LAG_S, PX4_OFFBOARD, make_flight
@@ -38,14 +38,14 @@ def test_modes_and_arming_stand_where_they_were(flight: Flight) -> None:
     assert flight.ending == "landed and disarmed"
 
 
-def test_frames_setpoints_and_their_latency_are_matched(flight: Flight) -> None:
-    assert flight.answers.frames == flight.answers.answered == 400
+def test_images_setpoints_and_their_latency_are_matched(flight: Flight) -> None:
+    assert flight.answers.images == flight.answers.answered == 400
     assert np.allclose(flight.answers.latency_ms, 4.0)
 
 
-def test_a_skipped_frame_is_counted_as_unanswered() -> None:
+def test_a_skipped_image_is_counted_as_unanswered() -> None:
     flight = Flight(read_bytes(make_flight(5.0, skip=4)))
-    assert 0 < flight.answers.answered < flight.answers.frames
+    assert 0 < flight.answers.answered < flight.answers.images
 
 
 def test_the_lag_of_the_response_is_found(flight: Flight) -> None:
@@ -168,13 +168,13 @@ def test_parameters_and_changes_are_read() -> None:
 
     as_float = float(np.array([7], dtype="<i4").view("<f4")[0])
     beat = mavlink.MAVLink_heartbeat_message(2, 12, 1, 0, 3, 3).pack(mavlink.MAVLink(None, 1, 1))
-    frames = [
+    packets = [
         beat,
         value(b"MPC_XY_P", 0.95, 9),
         value(b"COM_RCL_EXCEPT", as_float, 6),
         value(b"MPC_XY_P", 1.1, 9),
     ]
-    data = b"".join(record(START_US + i * 1000, raw) for i, raw in enumerate(frames))
+    data = b"".join(record(START_US + i * 1000, raw) for i, raw in enumerate(packets))
     parameters = read_parameters(Flight(read_bytes(data)))
     assert parameters.values == {"COM_RCL_EXCEPT": 7, "MPC_XY_P": 1.1}
     assert [(c.name, c.before, c.after) for c in parameters.changes] == [("MPC_XY_P", 0.95, 1.1)]

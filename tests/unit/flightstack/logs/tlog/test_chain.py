@@ -8,15 +8,15 @@ import pytest
 from pymavlink.dialects.v20 import all as mavlink
 
 from flightstack.logs import Log, read
-from flightstack.logs.dialect.dialect import message_id
+from flightstack.logs.dialect.message_types import message_id
 from flightstack.logs.tlog.chain import find_chained
 from flightstack.logs.tlog.clock import RunningClock, mend
 from flightstack.logs.tlog.source import MemorySource
 from tests.unit.flightstack.logs.made_logs import (
     START_US,
     flight_messages,
-    frame,
-    random_frames,
+    packet,
+    random_packets,
     record,
     tlog,
 )
@@ -28,16 +28,16 @@ WINDOW = 4096
 
 
 def of_all_kinds() -> bytes:
-    """Return a log of versions 1 and 2, signed frames, and messages that no definition knows."""
-    frames = random_frames(300, 4) + random_frames(100, 5, version=1)
-    frames += random_frames(100, 6, signed=True)
-    frames += [frame(54321, bytes(range(n % 40 + 1)), extra=77) for n in range(100)]
+    """Return a log of versions 1 and 2, signed packets, and messages that no definition knows."""
+    packets = random_packets(300, 4) + random_packets(100, 5, version=1)
+    packets += random_packets(100, 6, signed=True)
+    packets += [packet(54321, bytes(range(n % 40 + 1)), extra=77) for n in range(100)]
     attitude = mavlink.MAVLink_attitude_message(7, 1, 2, 3, 4, 5, 6)
-    frames += [attitude.pack(mavlink.MAVLink(None)) for _ in range(200)]
-    order = np.random.default_rng(7).permutation(len(frames)).tolist()
-    # the last bytes of a time look like the start of a version 1 frame, again and again
-    times = (START_US // 65536 * 65536 + 0xFE20 + 65536 * place for place in range(len(frames)))
-    return b"".join(record(time_us, frames[i]) for time_us, i in zip(times, order, strict=True))
+    packets += [attitude.pack(mavlink.MAVLink(None)) for _ in range(200)]
+    order = np.random.default_rng(7).permutation(len(packets)).tolist()
+    # the last bytes of a time look like the start of a version 1 packet, again and again
+    times = (START_US // 65536 * 65536 + 0xFE20 + 65536 * place for place in range(len(packets)))
+    return b"".join(record(time_us, packets[i]) for time_us, i in zip(times, order, strict=True))
 
 
 def damaged(data: bytes) -> Iterator[bytes]:
@@ -58,7 +58,7 @@ def damaged(data: bytes) -> Iterator[bytes]:
 def assert_same(part: Log, whole: Log) -> None:
     expected = whole.select(types=TYPES)
     assert part.counts == expected.counts
-    assert part.frames.offset.tolist() == expected.frames.offset.tolist()
+    assert part.packets.offset.tolist() == expected.packets.offset.tolist()
     assert part.time_us.tolist() == expected.time_us.tolist()
     for name in TYPES:
         assert np.array_equal(part[name].data, expected[name].data)
@@ -69,9 +69,9 @@ def assert_same(part: Log, whole: Log) -> None:
 @pytest.mark.parametrize("data", [FLIGHT, of_all_kinds()], ids=["flight", "all kinds"])
 @pytest.mark.parametrize("window", [WINDOW, 1 << 20])
 def test_whole_logs_are_read_along_their_chain(data: bytes, window: int, tmp_path: Path) -> None:
-    frames = find_chained(MemorySource(np.frombuffer(data, dtype=np.uint8)), IDS, window)
-    assert frames is not None
-    assert set(frames.msgid.tolist()) == set(IDS)
+    packets = find_chained(MemorySource(np.frombuffer(data, dtype=np.uint8)), IDS, window)
+    assert packets is not None
+    assert set(packets.msgid.tolist()) == set(IDS)
     path = tmp_path / "log.tlog"
     path.write_bytes(data)
     assert_same(read(path, types=TYPES, window_bytes=window), read(path))
@@ -86,7 +86,7 @@ def test_damaged_logs_give_the_same(data: bytes, tmp_path: Path) -> None:
         assert_same(read(path, types=TYPES, window_bytes=WINDOW), whole)
 
 
-def test_an_asked_for_frame_with_a_wrong_checksum_is_not_believed(tmp_path: Path) -> None:
+def test_an_asked_for_packet_with_a_wrong_checksum_is_not_believed(tmp_path: Path) -> None:
     hit = bytearray(FLIGHT)
     hit[30] ^= 1  # in the payload of the first record, an ATTITUDE
     assert find_chained(MemorySource(np.frombuffer(hit, dtype=np.uint8)), IDS) is None

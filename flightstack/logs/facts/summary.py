@@ -1,35 +1,24 @@
 """Say in a second what a log holds: flight, modes, texts, battery, link, offboard, its end."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.checks.face import Finding
+from flightstack.logs.checks.registry import Finding
+from flightstack.logs.facts.values import Facts, rounded
 from flightstack.logs.flight.decisions import VELOCITIES
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.vehicle import Interval
 
-Facts = dict[str, Any]
-
-SHORTEST_FLIGHT_S = 0.5
-UNKNOWN_VOLTAGE = 65535
+MIN_FLIGHT_S = 0.5
 UNKNOWN_REMAINING = -1
-
-
-def _rounded(value: float | np.floating[Any] | None, digits: int = 3) -> float | None:
-    """Return a number fit for JSON: finite and short, else None."""
-    if value is None or not np.isfinite(value):
-        return None
-    return round(float(value), digits)
 
 
 def _span_facts(flight: Flight, spans: list[Interval], name: str) -> list[Facts]:
     return [
         {
             name: span.label,
-            "start_s": _rounded(flight.seconds(span.start_us)),
-            "duration_s": _rounded(span.duration_s),
+            "start_s": rounded(flight.seconds(span.start_us)),
+            "duration_s": rounded(span.duration_s),
         }
         for span in spans
     ]
@@ -37,7 +26,7 @@ def _span_facts(flight: Flight, spans: list[Interval], name: str) -> list[Facts]
 
 def flight_facts(flight: Flight) -> Facts:
     """Return flight time, distance and speeds."""
-    spans = [span for span in flight.flying if span.duration_s >= SHORTEST_FLIGHT_S]
+    spans = [span for span in flight.flying if span.duration_s >= MIN_FLIGHT_S]
     parts = [flight.motion.within(span.start_us, span.end_us) for span in spans]
     filled = [part for part in parts if len(part)]
     speeds = [part.horizontal_speed_m_s for part in filled]
@@ -45,32 +34,30 @@ def flight_facts(flight: Flight) -> Facts:
     heights = [-part.position_ned[:, 2] for part in filled]
     return {
         "flights": len(spans),
-        "flight_time_s": _rounded(sum(span.duration_s for span in spans)),
-        "armed_time_s": _rounded(sum(span.duration_s for span in flight.armed)),
-        "distance_m": _rounded(sum(part.distance_m() for part in filled), 1),
-        "max_speed_m_s": _rounded(max((s.max() for s in speeds), default=None)),
-        "mean_speed_m_s": _rounded(np.concatenate(speeds).mean() if speeds else None),
-        "max_climb_m_s": _rounded(max((-d.min() for d in downs), default=None)),
-        "max_descent_m_s": _rounded(max((d.max() for d in downs), default=None)),
-        "max_height_m": _rounded(max((h.max() for h in heights), default=None)),
+        "flight_time_s": rounded(sum(span.duration_s for span in spans)),
+        "armed_time_s": rounded(sum(span.duration_s for span in flight.armed)),
+        "distance_m": rounded(sum(part.distance_m() for part in filled), 1),
+        "max_speed_m_s": rounded(max((s.max() for s in speeds), default=None)),
+        "mean_speed_m_s": rounded(np.concatenate(speeds).mean() if speeds else None),
+        "max_climb_m_s": rounded(max((-d.min() for d in downs), default=None)),
+        "max_descent_m_s": rounded(max((d.max() for d in downs), default=None)),
+        "max_height_m": rounded(max((h.max() for h in heights), default=None)),
         "position_from": flight.motion.source if len(flight.motion) else None,
     }
 
 
 def battery_facts(flight: Flight) -> Facts | None:
     """Return voltage and charge at both ends of the log; None where nothing was reported."""
-    table = flight.of_vehicle("SYS_STATUS")
-    table = table.take(table["voltage_battery"] != UNKNOWN_VOLTAGE)
-    table = table.take(table["voltage_battery"] > 0)
+    table = flight.battery
     if not len(table):
         return None
     volts = table["voltage_battery"] * 1e-3
     remaining = table["battery_remaining"]
     known = remaining[remaining != UNKNOWN_REMAINING]
     return {
-        "start_v": _rounded(volts[0]),
-        "end_v": _rounded(volts[-1]),
-        "min_v": _rounded(volts.min()),
+        "start_v": rounded(volts[0]),
+        "end_v": rounded(volts[-1]),
+        "min_v": rounded(volts.min()),
         "start_percent": int(known[0]) if len(known) else None,
         "end_percent": int(known[-1]) if len(known) else None,
     }
@@ -79,19 +66,18 @@ def battery_facts(flight: Flight) -> Facts | None:
 def link_facts(flight: Flight) -> list[Facts]:
     """Return for every sender its messages, rate and loss."""
     log = flight.log
-    sender = log.frames.system.astype(np.uint16) << 8 | log.frames.component
     facts = []
     for loss in log.losses:
-        times = log.time_us[sender == (loss.system << 8 | loss.component)]
+        times = log.time_us[log.packets.sender == (loss.system << 8 | loss.component)]
         duration_s = float(times.max() - times.min()) * 1e-6
         facts.append(
             {
                 "system": loss.system,
                 "component": loss.component,
                 "messages": loss.received,
-                "rate_hz": _rounded((loss.received - 1) / duration_s if duration_s else None, 2),
+                "rate_hz": rounded((loss.received - 1) / duration_s if duration_s else None, 2),
                 "lost": loss.lost,
-                "loss_percent": _rounded(100 * loss.fraction, 3),
+                "loss_percent": rounded(100 * loss.fraction, 3),
                 "reordered": loss.reordered,
             }
         )
@@ -103,7 +89,7 @@ def _percentiles(values: NDArray[np.float64]) -> Facts:
     if not len(known):
         return {"p50": None, "p95": None, "max": None}
     p50, p95 = np.percentile(known, (50, 95))
-    return {"p50": _rounded(p50), "p95": _rounded(p95), "max": _rounded(known.max())}
+    return {"p50": rounded(p50), "p95": rounded(p95), "max": rounded(known.max())}
 
 
 def offboard_facts(flight: Flight) -> Facts | None:
@@ -116,16 +102,16 @@ def offboard_facts(flight: Flight) -> Facts | None:
     lags = flight.response_lags_s
     errors = flight.tracking.rms_error().tolist()
     return {
-        "duration_s": _rounded(duration_s),
+        "duration_s": rounded(duration_s),
         "entries": len(flight.offboard),
         "setpoints": len(times),
-        "rate_hz": _rounded(len(times) / duration_s if duration_s else None, 2),
-        "longest_gap_s": _rounded(steps_s.max() if len(steps_s) else None),
-        "frames": flight.answers.frames,
+        "rate_hz": rounded(len(times) / duration_s if duration_s else None, 2),
+        "longest_gap_s": rounded(steps_s.max() if len(steps_s) else None),
+        "frames": flight.answers.images,
         "frames_answered": flight.answers.answered,
         "frame_to_setpoint_ms": _percentiles(flight.answers.latency_ms),
-        "setpoint_to_response_s": dict(zip(VELOCITIES, map(_rounded, lags), strict=True)),
-        "tracking_rms": dict(zip(VELOCITIES, map(_rounded, errors), strict=True)),
+        "setpoint_to_response_s": dict(zip(VELOCITIES, map(rounded, lags), strict=True)),
+        "tracking_rms": dict(zip(VELOCITIES, map(rounded, errors), strict=True)),
         "decisions": len(flight.decisions),
     }
 
@@ -143,6 +129,19 @@ def course_facts(flight: Flight) -> Facts | None:
     }
 
 
+def text_facts(flight: Flight) -> list[Facts]:
+    """Return every status text with its time and source."""
+    return [
+        {
+            "at_s": rounded(flight.seconds(text.time_us)),
+            "source": text.source,
+            "level": text.level,
+            "text": text.text,
+        }
+        for text in flight.texts
+    ]
+
+
 def damage_facts(flight: Flight) -> Facts:
     """Return what the file has lost, and where."""
     damage = flight.log.damage
@@ -153,14 +152,14 @@ def damage_facts(flight: Flight) -> Facts:
         "mended_times": damage.mended_times,
         "duplicates": damage.duplicates,
         "clock_jumps": [
-            {"at_s": _rounded(flight.seconds(j.time_us)), "jump_s": _rounded(j.jump_us * 1e-6)}
+            {"at_s": rounded(flight.seconds(j.time_us)), "jump_s": rounded(j.jump_us * 1e-6)}
             for j in damage.jumps
         ],
         "regions": [
             {
                 "offset": region.offset,
                 "bytes": region.length,
-                "at_s": _rounded(flight.seconds(region.time_us)),
+                "at_s": rounded(flight.seconds(region.time_us)),
                 "kind": region.kind,
             }
             for region in damage.regions
@@ -173,8 +172,8 @@ def summarise(flight: Flight, findings: list[Finding]) -> Facts:
     vehicle = flight.vehicle
     return {
         "log": flight.log.name,
-        "start_unix_s": _rounded(flight.start_us * 1e-6),
-        "duration_s": _rounded((flight.end_us - flight.start_us) * 1e-6),
+        "start_unix_s": rounded(flight.start_us * 1e-6),
+        "duration_s": rounded((flight.end_us - flight.start_us) * 1e-6),
         "messages": len(flight.log),
         "vehicle": None
         if vehicle is None
@@ -189,15 +188,7 @@ def summarise(flight: Flight, findings: list[Finding]) -> Facts:
         "battery": battery_facts(flight),
         "links": link_facts(flight),
         "counts": flight.log.counts,
-        "texts": [
-            {
-                "at_s": _rounded(flight.seconds(text.time_us)),
-                "source": f"{text.system}/{text.component}",
-                "level": text.level,
-                "text": text.text,
-            }
-            for text in flight.texts
-        ],
+        "texts": text_facts(flight),
         "damage": damage_facts(flight),
         "checks": [finding.as_facts() for finding in findings],
     }

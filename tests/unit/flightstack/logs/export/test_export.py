@@ -12,13 +12,13 @@ from flightstack.logs.export.csv import write_csv
 from flightstack.logs.export.mcap import write_mcap
 from flightstack.logs.export.parquet import write_parquet
 from tests.unit.flightstack.logs.made_flights import make_flight
-from tests.unit.flightstack.logs.made_logs import START_US, frame, record
+from tests.unit.flightstack.logs.made_logs import START_US, packet, record
 
 
 @pytest.fixture(scope="module")
 def log() -> Log:
-    quoted = frame(253, b'\6say "hi", he said' + bytes(36), system=9)
-    unknown = [frame(54321, b"\1\2", extra=4, sequence=i) for i in range(2)]
+    quoted = packet(253, b'\6say "hi", he said' + bytes(36), system=9)
+    unknown = [packet(54321, b"\1\2", extra=4, sequence=i) for i in range(2)]
     more = b"".join(record(START_US + 90_000_000, raw) for raw in (quoted, *unknown))
     return read_bytes(make_flight(4.0) + more)
 

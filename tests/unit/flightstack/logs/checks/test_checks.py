@@ -9,7 +9,7 @@ from pymavlink.dialects.v20 import all as mavlink
 
 from flightstack.logs import read_bytes
 from flightstack.logs.checks import Finding, Level, load_checks, run_checks
-from flightstack.logs.checks.face import REGISTERED, check
+from flightstack.logs.checks.registry import REGISTERED, check
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight.flight import Flight
 from tests.unit.flightstack.logs.made_flights import VEHICLE, make_flight
@@ -49,16 +49,16 @@ def test_a_missed_gate_is_an_error() -> None:
     assert found.reason == "Missed gate 6: passed outside, at 27.9 s, after 5 gates"
 
 
-def test_unanswered_frames_are_a_warning() -> None:
+def test_unanswered_images_are_a_warning() -> None:
     assert findings(make_flight(8.0, skip=4))["frames_answered"].level is Level.WARNING
 
 
 def without_setpoints(data: bytes, start_s: float, end_s: float) -> bytes:
     log = read_bytes(data)
-    is_setpoint = log.frames.msgid == 84
+    is_setpoint = log.packets.msgid == 84
     seconds = (log.time_us - START_US) * 1e-6
     keep = np.flatnonzero(~(is_setpoint & (seconds >= start_s) & (seconds < end_s)))
-    starts, ends = log.frames.offset - 8, log.frames.end
+    starts, ends = log.packets.offset - 8, log.packets.end
     return b"".join(data[starts[i] : ends[i]] for i in keep.tolist())
 
 
@@ -74,9 +74,9 @@ def test_late_setpoints_are_found() -> None:
     data = make_flight(8.0)
     log = read_bytes(data)
     late = []
-    pieces = zip(log.frames.offset.tolist(), log.frames.end.tolist(), strict=True)
+    pieces = zip(log.packets.offset.tolist(), log.packets.end.tolist(), strict=True)
     for row, (start, end) in enumerate(pieces):
-        delay_us = 120_000 if log.frames.msgid[row] == 84 else 0
+        delay_us = 120_000 if log.packets.msgid[row] == 84 else 0
         late.append((int(log.time_us[row]) + delay_us, data[start:end]))
     found = findings(b"".join(record(t, raw) for t, raw in sorted(late)))["stale_frames"]
     assert found.level is Level.ERROR
@@ -90,8 +90,8 @@ def test_shaking_rates_are_an_oscillation() -> None:
 
     beat = make_flight(8.0)
     log = read_bytes(beat)
-    keep = log.frames.msgid != 30
-    starts, ends = log.frames.offset - 8, log.frames.end
+    keep = log.packets.msgid != 30
+    starts, ends = log.packets.offset - 8, log.packets.end
     rest = b"".join(beat[starts[i] : ends[i]] for i in np.flatnonzero(keep).tolist())
     found = findings(with_messages(rest, shaking, 0, 20))["oscillation"]
     assert found.level is Level.WARNING
@@ -121,7 +121,7 @@ def test_a_position_that_jumps_is_found() -> None:
 
     data = make_flight(8.0)
     log = read_bytes(data)
-    before = data[: int(log.frames.end[log.time_us <= START_US + 12_000_000][-1])]
+    before = data[: int(log.packets.end[log.time_us <= START_US + 12_000_000][-1])]
     found = findings(with_messages(before, elsewhere, 12, 13))["estimate_jump"]
     assert found.level is Level.WARNING
 
@@ -132,7 +132,7 @@ def test_a_position_that_jumps_is_found() -> None:
 def test_link_loss_is_judged_by_its_share(every: int, level: Level) -> None:
     data = make_flight(8.0)
     log = read_bytes(data)
-    starts, ends = log.frames.offset - 8, log.frames.end
+    starts, ends = log.packets.offset - 8, log.packets.end
     kept = [data[starts[i] : ends[i]] for i in range(len(log)) if i % every]
     assert findings(b"".join(kept))["link_loss"].level is level
 

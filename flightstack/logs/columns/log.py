@@ -8,44 +8,44 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.dialect.dialect import (
+from flightstack.logs.columns.payloads import gather
+from flightstack.logs.columns.table import Table
+from flightstack.logs.dialect.message_types import (
     MessageType,
     ids_by_name,
     message_id,
     message_name,
     message_type,
 )
-from flightstack.logs.tlog.frames import Frames
-from flightstack.logs.tlog.payloads import gather
-from flightstack.logs.tlog.source import Source, mapped
-from flightstack.logs.tlog.table import Table
+from flightstack.logs.tlog.packets import Packets
+from flightstack.logs.tlog.source import ByteSource, mapped
 
 if TYPE_CHECKING:
     from flightstack.logs.tlog.damage import Damage, SourceLoss
 
 
 class Log:
-    """The frames of a log, and their messages by type.
+    """The packets of a log, and their messages by type.
 
     `log["ATTITUDE"]` decodes that type and no other; a type that the log does not hold is an
-    empty table. `frames` and `time_us` cover all that was selected, in file order.
+    empty table. `packets` and `time_us` cover all that was selected, in file order.
     """
 
     def __init__(
         self,
-        source: Source,
-        frames: Frames,
+        source: ByteSource,
+        packets: Packets,
         time_us: NDArray[np.int64],
         read_whole: "Callable[[], Log] | None" = None,
     ) -> None:
         self.source = source
-        self.frames = frames
+        self.packets = packets
         self.time_us = time_us  # since 1970; lost times mended
         self._read_whole = read_whole
         self._tables: dict[int, Table] = {}
 
     def __len__(self) -> int:
-        return len(self.frames)
+        return len(self.packets)
 
     def __contains__(self, name: object) -> bool:
         return name in self.counts
@@ -63,13 +63,13 @@ class Log:
 
     @cached_property
     def whole(self) -> "Log":
-        """The log with all of its frames, whatever was selected of it."""
+        """The log with all of its packets, whatever was selected of it."""
         return self if self._read_whole is None else self._read_whole()
 
     @cached_property
     def counts(self) -> dict[str, int]:
         """How many messages of each type there are, UNKNOWN_<id> included, most first."""
-        ids, counts = np.unique(self.frames.msgid, return_counts=True)
+        ids, counts = np.unique(self.packets.msgid, return_counts=True)
         pairs = sorted(zip(counts.tolist(), ids.tolist(), strict=True), key=lambda p: (-p[0], p[1]))
         return {message_name(msgid): count for count, msgid in pairs}
 
@@ -78,23 +78,23 @@ class Log:
         """What the sequence numbers of every sender tell about the link."""
         from flightstack.logs.tlog.damage import find_losses  # noqa: PLC0415  # few ask for it
 
-        return find_losses(self.frames)
+        return find_losses(self.packets)
 
     @cached_property
     def damage(self) -> "Damage":
         """What the whole log has lost, whatever was selected of it."""
         from flightstack.logs.tlog.damage import find_damage  # noqa: PLC0415  # few ask for it
 
-        return find_damage(self.source, self.whole.frames, self.whole.time_us)
+        return find_damage(self.source, self.whole.packets, self.whole.time_us)
 
     def load(self, names: Iterable[str]) -> None:
         """Decode several types while reading the log once; `log[name]` is then at once."""
         types = {message_id(name) for name in names} - self._tables.keys()
         if not types:
             return
-        rows = {msgid: np.flatnonzero(self.frames.msgid == msgid) for msgid in types}
+        rows = {msgid: np.flatnonzero(self.packets.msgid == msgid) for msgid in types}
         kinds = {msgid: _type_or_raw(msgid) for msgid in types}
-        parts = {msgid: self.frames.take(rows[msgid]) for msgid in types}
+        parts = {msgid: self.packets.take(rows[msgid]) for msgid in types}
         wanted = {m: (parts[m], kinds[m].size) for m in types if len(parts[m])}
         payloads = gather(self.source, wanted)
         for msgid in types:
@@ -109,7 +109,7 @@ class Log:
         table = self[name]
         raw = table.data.tobytes()
         size = table.type.size
-        lengths = table.frames.length.tolist()
+        lengths = table.packets.length.tolist()
         return [raw[i * size : i * size + length] for i, length in enumerate(lengths)]
 
     def select(
@@ -129,13 +129,13 @@ class Log:
         is_every_type = types is None or len(ids) == len(self.counts)
         if is_every_type and all(given is None for given in (system, component, start_us, end_us)):
             return self
-        keep = np.ones(len(self.frames), dtype=np.bool_)
+        keep = np.ones(len(self.packets), dtype=np.bool_)
         if not is_every_type:
-            keep &= np.isin(self.frames.msgid, ids)
+            keep &= np.isin(self.packets.msgid, ids)
         if system is not None:
-            keep &= self.frames.system == system
+            keep &= self.packets.system == system
         if component is not None:
-            keep &= self.frames.component == component
+            keep &= self.packets.component == component
         if start_us is not None:
             keep &= self.time_us >= start_us
         if end_us is not None:
@@ -144,11 +144,11 @@ class Log:
 
     def mapped(self) -> "Log":
         """Return the log with a small file mapped into memory: for programs that end soon."""
-        return Log(mapped(self.source), self.frames, self.time_us, lambda: self.whole)
+        return Log(mapped(self.source), self.packets, self.time_us, lambda: self.whole)
 
     def rows(self, rows: NDArray[np.bool_] | NDArray[np.intp] | slice) -> "Log":
-        """Return the part of the log with these frames."""
-        return Log(self.source, self.frames.take(rows), self.time_us[rows], lambda: self.whole)
+        """Return the part of the log with these packets."""
+        return Log(self.source, self.packets.take(rows), self.time_us[rows], lambda: self.whole)
 
     def matching_ids(self, patterns: Iterable[str]) -> list[int]:
         """Return the ids of the log's messages that match one of the names or wildcards.

@@ -1,9 +1,9 @@
-"""Find every whole frame in a stretch of bytes, whatever lies between the frames.
+"""Find every whole packet in a stretch of bytes, whatever lies between the packets.
 
-Every byte that could start a frame is a candidate; a candidate is a frame when its checksum holds.
-That alone finds every frame behind any damage, and about one in 65,536 candidates by chance. Two
-rules keep those out: a frame that stands in the chain of records (its neighbours begin where it
-ends) beats one that overlaps it, and a version 1 frame that stands alone must have a plausible
+Every byte that could start a packet is a candidate; a candidate is a packet if its checksum holds.
+That alone finds every packet behind any damage, and about one in 65,536 candidates by chance. Two
+rules keep those out: a packet that stands in the chain of records (its neighbours begin where it
+ends) beats one that overlaps it, and a version 1 packet that stands alone must have a plausible
 time or the full length of its message (version 2 headers are too specific to arise by chance).
 """
 
@@ -12,23 +12,24 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.dialect.dialect import framing_tables
+from flightstack.logs.dialect.message_types import packet_tables
 from flightstack.logs.tlog import crc
-from flightstack.logs.tlog.frames import (
+from flightstack.logs.tlog.byte_view import at_every_byte
+from flightstack.logs.tlog.packets import (
     CHECKSUM,
     HEADER_V1,
     HEADER_V2,
     IS_SIGNED,
     IS_V2,
+    MAGIC_V2,
     NO_TIME,
     SIGNATURE,
+    SIGNED_FLAG,
     TIMESTAMP,
-    Frames,
+    Packets,
 )
 
-MAGIC_V2 = 0xFD
-SIGNED_FLAG = 0x01
-SMALLEST_FRAME = HEADER_V1 + CHECKSUM
+MIN_PACKET = HEADER_V1 + CHECKSUM
 SEARCH_BLOCK = 1 << 17
 PLAUSIBLE_TIME_US = (10**15, 41 * 10**14)  # 2001 to 2099
 
@@ -43,7 +44,7 @@ class Candidates(NamedTuple):
     is_v2: NDArray[np.bool_]
     is_signed: NDArray[np.bool_]
     length: NDArray[np.int64]  # of the payload
-    row: NDArray[np.int32]  # in framing_tables(); -1 where unknown, or not looked up
+    row: NDArray[np.int32]  # in packet_tables(); -1 where unknown, or not looked up
 
     def take(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> "Candidates":
         """Return the candidates of these rows."""
@@ -62,8 +63,8 @@ class Candidates(NamedTuple):
 
 
 def message_rows(data: Bytes, position: Positions, is_v2: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Return the row in framing_tables() of the message at each position, -1 where unknown."""
-    tables = framing_tables()
+    """Return the row in packet_tables() of the message at each position, -1 where unknown."""
+    tables = packet_tables()
     low = data[position + np.where(is_v2, 7, 5)].astype(np.int32)
     last = len(data) - 1
     middle = data[np.minimum(position + 8, last)].astype(np.int32)
@@ -90,8 +91,8 @@ def magic_positions(data: Bytes) -> Positions:
 
 
 def find_headers(data: Bytes) -> Candidates:
-    """Return the places where a whole frame of any message may start; none is looked up."""
-    position = magic_positions(data[: max(0, len(data) - SMALLEST_FRAME + 1)])
+    """Return the places where a whole packet of any message may start; none is looked up."""
+    position = magic_positions(data[: max(0, len(data) - MIN_PACKET + 1)])
     is_v2 = data[position] == MAGIC_V2
     incompatible = data[position + 2]
     headers = Candidates(
@@ -108,31 +109,31 @@ def find_headers(data: Bytes) -> Candidates:
 def known(data: Bytes, headers: Candidates) -> Candidates:
     """Return the headers of messages in the dialect, with payloads that they may have."""
     rows = message_rows(data, headers.position, headers.is_v2)
-    fits = headers.is_v2 | (headers.length <= framing_tables().size[rows])
+    fits = headers.is_v2 | (headers.length <= packet_tables().size[rows])
     return headers._replace(row=rows).take(np.flatnonzero((rows >= 0) & fits))
 
 
 def find_candidates(data: Bytes) -> Candidates:
-    """Return the places where a whole frame of a known message may start."""
+    """Return the places where a whole packet of a known message may start."""
     return known(data, find_headers(data))
 
 
 def holds_checksum(data: Bytes, candidates: Candidates) -> NDArray[np.bool_]:
-    """Return which candidates are frames: those whose checksum holds."""
+    """Return which candidates are packets: those whose checksum holds."""
     if len(candidates.position) == 0:
         return np.empty(0, dtype=np.bool_)
     at = candidates.checksum_at
     state = crc.checksums(data, candidates.position + 1, at - candidates.position - 1)
-    expected = crc.step(state, framing_tables().crc_extra[candidates.row])
+    expected = crc.step(state, packet_tables().crc_extra[candidates.row])
     stored = data[at].astype(np.uint16) | data[at + 1].astype(np.uint16) << 8
     result: NDArray[np.bool_] = expected == stored
     return result
 
 
 def chain_links(position: Positions, end: Positions, size: int) -> NDArray[np.int64]:
-    """Return how many neighbours (0 to 2) each frame joins, eight bytes of time between them.
+    """Return how many neighbours (0 to 2) each packet joins, eight bytes of time between them.
 
-    A stream without times, frames end to end, counts as joined too.
+    A stream without times, packets end to end, counts as joined too.
     """
     starts = np.zeros(size + TIMESTAMP + 1, dtype=np.bool_)
     ends = np.zeros(size + TIMESTAMP + 1, dtype=np.bool_)
@@ -144,7 +145,7 @@ def chain_links(position: Positions, end: Positions, size: int) -> NDArray[np.in
 
 
 def without_overlaps(position: Positions, end: Positions, links: NDArray[np.int64]) -> Positions:
-    """Return the rows to keep where frames overlap: first the best linked, then the earliest."""
+    """Return the rows to keep where packets overlap: first the best linked, then the earliest."""
     reach = np.maximum.accumulate(end)
     opens = np.flatnonzero(np.r_[True, position[1:] >= reach[:-1]])
     sizes = np.diff(np.r_[opens, len(position)])
@@ -161,31 +162,31 @@ def without_overlaps(position: Positions, end: Positions, links: NDArray[np.int6
 
 
 def record_times(data: Bytes, position: Positions, free_from: Positions) -> Positions:
-    """Return the time before each frame, NO_TIME where these bytes belong to something else."""
+    """Return the time before each packet, NO_TIME where these bytes belong to something else."""
     times = np.full(len(position), NO_TIME, dtype=np.int64)
     if len(data) < TIMESTAMP:
         return times
     stamped = position - TIMESTAMP >= free_from
-    words = np.ndarray((len(data) - TIMESTAMP + 1,), dtype=">u8", buffer=data, strides=(1,))
+    words = at_every_byte(data, ">u8")
     times[stamped] = words[position[stamped] - TIMESTAMP].astype(np.uint64).view(np.int64)
     return times
 
 
 def stands(found: Candidates, times: Positions, links: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return which frames are beyond doubt: see the rule for version 1 in the first lines."""
+    """Return which packets are beyond doubt: see the rule for version 1 in the first lines."""
     earliest, latest = PLAUSIBLE_TIME_US
     plausible = (times >= earliest) & (times <= latest)
-    whole = found.length == framing_tables().size[found.row]
+    whole = found.length == packet_tables().size[found.row]
     beyond_doubt: NDArray[np.bool_] = found.is_v2 | (links > 0) | plausible | whole
     return beyond_doubt
 
 
-def describe(data: Bytes, found: Candidates, times: Positions) -> Frames:
-    """Return the index rows of frames; offsets are positions in `data`."""
-    tables = framing_tables()
+def describe(data: Bytes, found: Candidates, times: Positions) -> Packets:
+    """Return the index rows of packets; offsets are positions in `data`."""
+    tables = packet_tables()
     sequence_at = found.position + np.where(found.is_v2, 4, 2)
     flags = found.is_v2 * IS_V2 + found.is_signed * IS_SIGNED
-    return Frames(
+    return Packets(
         offset=found.position,
         time_us=times,
         msgid=tables.ids[found.row],
@@ -198,10 +199,10 @@ def describe(data: Bytes, found: Candidates, times: Positions) -> Frames:
     )
 
 
-def find_frames(data: Bytes, *, free_from: int, limit: int) -> Frames:
-    """Return the frames of known messages in `data` that start at or after `free_from`.
+def find_packets(data: Bytes, *, free_from: int, limit: int) -> Packets:
+    """Return the packets of known messages in `data` that start at or after `free_from`.
 
-    `free_from` is where the last frame before ended; frames from `limit` on are left for the next
+    `free_from` is where the last packet before ended; packets from `limit` on are left for the next
     stretch. Offsets are positions in `data`.
     """
     found = find_candidates(data)

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.dialect.dialect import message_id
+from flightstack.logs.columns.log import Log
+from flightstack.logs.dialect.message_types import message_id
 from flightstack.logs.errors import ExpressionError, UnknownNameError
-from flightstack.logs.tlog.log import Log
 
 Rows = NDArray[np.intp]
 Value = Any  # a column, or a plain number or text
@@ -99,7 +99,7 @@ def parse(text: str) -> Expression:
 
 
 class _Evaluator:
-    """Walks an expression's tree for the frames `rows` of a log."""
+    """Walks an expression's tree for the packets `rows` of a log."""
 
     def __init__(self, log: Log, rows: Rows, text: str) -> None:
         self.log = log
@@ -207,7 +207,7 @@ HANDLERS: dict[type[ast.expr], Callable[[_Evaluator, Any], Value]] = {
 
 
 def evaluate(expression: Expression, log: Log, rows: Rows) -> tuple[Value, NDArray[np.bool_]]:
-    """Return the value at each of these frames, and where all its messages had been seen."""
+    """Return the value at each of these packets, and where all its messages had been seen."""
     log.load(expression.messages)
     walker = _Evaluator(log, rows, expression.text)
     try:
@@ -221,7 +221,7 @@ def evaluate(expression: Expression, log: Log, rows: Rows) -> tuple[Value, NDArr
 
 
 def holds(condition: str, log: Log, rows: Rows) -> NDArray[np.bool_]:
-    """Return at which of these frames a condition holds; not where a message was not yet seen."""
+    """Return at which of these packets a condition holds; not where a message was not yet seen."""
     value, known = evaluate(parse(condition), log, rows)
     truth = np.asarray(value)
     if truth.ndim > 1 or truth.dtype.kind not in "biuf":

@@ -120,13 +120,13 @@ def test_compare_lays_two_logs_side_by_side(log: Path, capsys: Capture) -> None:
 
 
 def test_why_tells_the_moments_before_a_miss(log: Path, capsys: Capture) -> None:
-    frames = log.with_suffix(".frames")
-    frames.mkdir()
+    images = log.with_suffix(".frames")
+    images.mkdir()
     assert main(["why", str(log), "--json"]) == 0
     moments = json.loads(capsys.readouterr().out)["moments"]
     assert len(moments) == 8
     stamp_us = moments[-1]["stamp_us"]
-    (frames / f"{stamp_us:012d}.png").write_bytes(b"png")
+    (images / f"{stamp_us:012d}.png").write_bytes(b"png")
     assert main(["why", str(log), "--json"]) == 0
     last = json.loads(capsys.readouterr().out)["moments"][-1]
     assert Path(last["frame"]).name == f"{stamp_us:012d}.png"
@@ -196,7 +196,7 @@ MISTAKES = [
     (["summary", "{folder}/flight.ulg"], "PX4 ULog"),
     (["summary", "{folder}/flight.bin"], "ArduPilot .BIN"),
     (["summary", "{folder}/zero.tlog"], "is empty"),
-    (["summary", "{folder}/words.txt"], "no MAVLink frame"),
+    (["summary", "{folder}/words.txt"], "no MAVLink packet"),
     (["dump", "{log}", "--types", "ATITUDE"], "did you mean ATTITUDE"),
     (["dump", "{log}", "--condition", "ATTITUDE.roll >"], "does not parse"),
     (["dump", "{log}", "--condition", "ATTITUDE.rol > 1"], "did you mean"),

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.dialect.dialect import Field, MessageType
-from flightstack.logs.tlog.frames import IS_SIGNED, IS_V2, Frames
+from flightstack.logs.dialect.message_types import Field, MessageType
+from flightstack.logs.tlog.packets import IS_SIGNED, IS_V2, Packets
 
 US = 1e-6
 
@@ -22,12 +22,12 @@ def decode_text(raw: bytes) -> str:
 class Table:
     """The messages of one type in file order; `table["roll"]` is one numpy array of them.
 
-    `row` is each message's place among all frames of the log, so that messages of different
+    `row` is each message's place among all packets of the log, so that messages of different
     types can be put in order.
     """
 
     type: MessageType
-    frames: Frames
+    packets: Packets
     time_us: NDArray[np.int64]  # since 1970; lost times repaired
     row: NDArray[np.intp]
     data: NDArray[np.void]  # of type.dtype
@@ -78,32 +78,32 @@ class Table:
     @property
     def system(self) -> NDArray[np.uint8]:
         """The sending system of each message."""
-        return self.frames.system
+        return self.packets.system
 
     @property
     def component(self) -> NDArray[np.uint8]:
         """The sending component of each message."""
-        return self.frames.component
+        return self.packets.component
 
     @property
     def sequence(self) -> NDArray[np.uint8]:
         """The sender's sequence number of each message."""
-        return self.frames.sequence
+        return self.packets.sequence
 
     @property
     def version(self) -> NDArray[np.int64]:
-        """1 or 2: the MAVLink version of each frame."""
-        return np.where(self.frames.flags & IS_V2, 2, 1)
+        """1 or 2: the MAVLink version of each packet."""
+        return np.where(self.packets.flags & IS_V2, 2, 1)
 
     @property
     def signed(self) -> NDArray[np.bool_]:
-        """Which frames carry a signature (it is not verified: the key is not in the log)."""
-        return (self.frames.flags & IS_SIGNED).astype(np.bool_)
+        """Which packets carry a signature (it is not verified: the key is not in the log)."""
+        return (self.packets.flags & IS_SIGNED).astype(np.bool_)
 
     def take(self, rows: NDArray[np.bool_] | NDArray[np.intp] | slice) -> "Table":
         """Return the table of these rows."""
         return Table(
-            self.type, self.frames.take(rows), self.time_us[rows], self.row[rows], self.data[rows]
+            self.type, self.packets.take(rows), self.time_us[rows], self.row[rows], self.data[rows]
         )
 
     def where(self, *, system: int | None = None, component: int | None = None) -> "Table":

@@ -96,8 +96,8 @@ def message_id(name: str) -> int:
     )
 
 
-class FramingTables(NamedTuple):
-    """What framing must know of every id, for vectorised look-up."""
+class PacketTables(NamedTuple):
+    """What the search for packets must know of every id, for vectorised look-up."""
 
     ids: NDArray[np.uint32]  # sorted
     crc_extra: NDArray[np.uint16]  # of ids
@@ -106,14 +106,14 @@ class FramingTables(NamedTuple):
 
 
 @cache
-def framing_tables() -> FramingTables:
-    """Return the tables that framing looks message ids up in."""
+def packet_tables() -> PacketTables:
+    """Return the tables that the search looks message ids up in."""
     ids = sorted(definitions())
     rows = [definitions()[msgid] for msgid in ids]
     row_of_low_id = np.full(1 << 16, -1, dtype=np.int32)
     low = [msgid for msgid in ids if msgid < 1 << 16]
     row_of_low_id[low] = np.arange(len(low))
-    return FramingTables(
+    return PacketTables(
         ids=np.array(ids, dtype=np.uint32),
         crc_extra=np.array([row.crc_extra for row in rows], dtype=np.uint16),
         size=np.array([row.size for row in rows], dtype=np.int64),
@@ -125,9 +125,3 @@ def enum_name(enum: str, value: int) -> str:
     """Return the name of an enumeration's value without the common prefix of its enumeration."""
     entry = mavlink().enums.get(enum, {}).get(value)
     return str(value) if entry is None else str(entry.name)
-
-
-def bitmask_names(enum: str, value: int) -> list[str]:
-    """Return the names of all bits that are set in `value`."""
-    entries = mavlink().enums.get(enum, {})
-    return [str(entry.name) for bit, entry in entries.items() if bit and value & bit == bit]

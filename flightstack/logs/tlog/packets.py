@@ -1,4 +1,4 @@
-"""Where every frame of a log lies: one row a frame, as arrays."""
+"""Where every packet of a log lies: one row a packet, as arrays."""
 
 from dataclasses import dataclass, fields
 
@@ -9,24 +9,26 @@ NO_TIME = np.iinfo(np.int64).min  # time_us of a record whose eight bytes of tim
 
 LINK_BITS = 3  # MAVProxy writes the number of the link into the low two bits of the time
 
+MAGIC_V1, MAGIC_V2 = 0xFE, 0xFD  # first byte
+SIGNED_FLAG = 0x01  # third byte of version 2; other flags are of no known packet
 HEADER_V1 = 6
 HEADER_V2 = 10
 CHECKSUM = 2
 SIGNATURE = 13
 TIMESTAMP = 8
-MAX_FRAME = HEADER_V2 + 255 + CHECKSUM + SIGNATURE
-MARGIN = 2 * (MAX_FRAME + TIMESTAMP)  # what starts so far before an end has its neighbour whole
+MAX_PACKET = HEADER_V2 + 255 + CHECKSUM + SIGNATURE
+MARGIN = 2 * (MAX_PACKET + TIMESTAMP)  # what starts so far before an end has its neighbour whole
 
-IS_V2 = 1  # bits of Frames.flags
+IS_V2 = 1  # bits of Packets.flags
 IS_SIGNED = 2
 IS_UNKNOWN = 4  # its id is not in the dialect
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Frames:
-    """The index of a log, in file order; all arrays have one entry a frame."""
+class Packets:
+    """The index of a log, in file order; all arrays have one entry a packet."""
 
-    offset: NDArray[np.int64]  # of the frame's first byte (0xFD or 0xFE) in the file
+    offset: NDArray[np.int64]  # of the packet's first byte (0xFD or 0xFE) in the file
     time_us: NDArray[np.int64]  # since 1970, as recorded, or NO_TIME
     msgid: NDArray[np.uint32]
     system: NDArray[np.uint8]
@@ -39,9 +41,14 @@ class Frames:
     def __len__(self) -> int:
         return len(self.offset)
 
-    def take(self, rows: NDArray[np.intp] | NDArray[np.bool_] | slice) -> "Frames":
-        """Return the frames of these rows."""
-        return Frames(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+    def take(self, rows: NDArray[np.intp] | NDArray[np.bool_] | slice) -> "Packets":
+        """Return the packets of these rows."""
+        return Packets(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+
+    @property
+    def sender(self) -> NDArray[np.uint16]:
+        """System and component of each packet in one number, system << 8 | component."""
+        return self.system.astype(np.uint16) << np.uint16(8) | self.component
 
     @property
     def header_length(self) -> NDArray[np.uint8]:
@@ -50,7 +57,7 @@ class Frames:
 
     @property
     def end(self) -> NDArray[np.int64]:
-        """Offset of the first byte after each frame, its signature included."""
+        """Offset of the first byte after each packet, its signature included."""
         signed = self.flags & IS_SIGNED
         tail = np.where(signed, np.uint8(CHECKSUM + SIGNATURE), np.uint8(CHECKSUM))
         ends = self.offset + self.length
@@ -58,11 +65,23 @@ class Frames:
         return ends
 
 
-def no_frames() -> Frames:
+def packet_length(head: NDArray[np.uint8]) -> int:
+    """Return how many bytes the packet has that starts with `head`, 0 where none starts so."""
+    if len(head) < 3:
+        return 0
+    magic, length, incompatible = head[:3].tolist()
+    if magic == MAGIC_V1:
+        return int(HEADER_V1 + length + CHECKSUM)
+    if magic == MAGIC_V2 and incompatible <= SIGNED_FLAG:
+        return int(HEADER_V2 + length + CHECKSUM + SIGNATURE * incompatible)
+    return 0
+
+
+def no_packets() -> Packets:
     """Return an empty index."""
     byte = np.empty(0, dtype=np.uint8)
     wide = np.empty(0, dtype=np.int64)
-    return Frames(
+    return Packets(
         offset=wide,
         time_us=wide,
         msgid=np.empty(0, dtype=np.uint32),
@@ -75,11 +94,11 @@ def no_frames() -> Frames:
     )
 
 
-def join(parts: list[Frames]) -> Frames:
+def join(parts: list[Packets]) -> Packets:
     """Return all parts as one index, emptying `parts` on the way so that memory stays bounded."""
     if not parts:
-        return no_frames()
-    names = [field.name for field in fields(Frames)]
+        return no_packets()
+    names = [field.name for field in fields(Packets)]
     columns = {name: [getattr(part, name) for part in parts] for name in names}
     parts.clear()  # from here on, each column's pieces go as soon as they are joined
-    return Frames(**{name: np.concatenate(columns.pop(name)) for name in names})
+    return Packets(**{name: np.concatenate(columns.pop(name)) for name in names})

@@ -94,7 +94,7 @@ def test_any_log_has_a_report(data: bytes) -> None:
     assert "Health checks" in own_part(page_of(Flight(read_bytes(data))))
 
 
-def test_recorded_frames_stand_in_the_strip(tmp_path: Path) -> None:
+def test_recorded_images_stand_in_the_strip(tmp_path: Path) -> None:
     flight = Flight(read_bytes(make_flight(20.0)))
     png = b"\x89PNG not really"
     for stamp_us in flight.decisions.stamp_us.tolist():

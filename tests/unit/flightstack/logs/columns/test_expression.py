@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from flightstack.logs import Log, read_bytes
+from flightstack.logs.columns.expression import holds, parse, series
 from flightstack.logs.errors import ExpressionError, UnknownNameError
-from flightstack.logs.text.expression import holds, parse, series
 from tests.unit.flightstack.logs.made_flights import make_flight
 
 

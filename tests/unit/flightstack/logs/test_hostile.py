@@ -9,21 +9,21 @@ from flightstack.logs import Log, read_bytes
 from flightstack.logs.checks import run_checks
 from flightstack.logs.commands.messages import message_facts
 from flightstack.logs.export.csv import rows
+from flightstack.logs.facts.summary import summarise
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.parameters import read_parameters
 from flightstack.logs.report.course_figure import course_figure, has_course
 from flightstack.logs.report.time_figure import time_figure
 from flightstack.logs.text.lines import LineOptions, lines
-from flightstack.logs.text.summary import summarise
 from flightstack.logs.text.summary_text import one_line, page
 from tests.paths import GOLDEN
 from tests.unit.flightstack.logs.made_flights import make_flight
-from tests.unit.flightstack.logs.made_logs import START_US, random_frames, record
+from tests.unit.flightstack.logs.made_logs import START_US, random_packets, record
 
 SOURCES = {
     "made": make_flight(4.0),
     "golden": GOLDEN.read_bytes(),
-    "random": b"".join(record(START_US + i, raw) for i, raw in enumerate(random_frames(800, 5))),
+    "random": b"".join(record(START_US + i, raw) for i, raw in enumerate(random_packets(800, 5))),
 }
 
 

@@ -4,17 +4,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from flightstack.logs.dialect.dialect import message_name
-from flightstack.logs.text.summary import Facts
-from flightstack.logs.tlog.log import Log
+from flightstack.logs.columns.log import Log
+from flightstack.logs.dialect.message_types import message_name
+from flightstack.logs.facts.values import Facts
 
 
 def message_facts(log: Log) -> Iterator[Facts]:
     """Yield for every type and source how many, how often, from when to when."""
     start_us = int(log.time_us[0]) if len(log) else 0
-    frames = log.frames
-    key = frames.msgid.astype(np.int64) << 16
-    key |= frames.system.astype(np.int64) << 8 | frames.component
+    packets = log.packets
+    key = packets.msgid.astype(np.int64) << 16 | packets.sender
     order = np.argsort(key, kind="stable")
     keys, first, counts = np.unique(key[order], return_index=True, return_counts=True)
     for value, start, count in zip(keys.tolist(), first.tolist(), counts.tolist(), strict=True):

@@ -8,33 +8,33 @@ from os import PathLike
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.dialect.dialect import ids_by_name, message_id
+from flightstack.logs.columns.boot_clock import times_since_boot_us
+from flightstack.logs.columns.log import Log
+from flightstack.logs.dialect.message_types import ids_by_name, message_id
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.tlog import clock
-from flightstack.logs.tlog.boot_clock import times_since_boot_us
 from flightstack.logs.tlog.chain import find_chained
-from flightstack.logs.tlog.frames import IS_UNKNOWN, NO_TIME, Frames, join
-from flightstack.logs.tlog.log import Log
+from flightstack.logs.tlog.packets import IS_UNKNOWN, NO_TIME, Packets, join
 from flightstack.logs.tlog.scanner import scan
 from flightstack.logs.tlog.source import (
     WINDOW_BYTES,
+    ByteSource,
     MemorySource,
-    Source,
     held,
     mapped,
     open_source,
 )
-from flightstack.logs.tlog.unknown import doubtful
+from flightstack.logs.tlog.unknown import implausible
 
 
-def from_frames(source: Source, frames: Frames) -> Log:
-    """Return a log of frames that were found in `source`."""
-    if (frames.flags & IS_UNKNOWN).any():
-        frames = frames.take(~doubtful(frames))
-    if len(frames) and bool((frames.time_us == NO_TIME).all()):
-        return Log(source, frames, times_since_boot_us(source, frames))
-    times, _ = clock.mend(frames.time_us)
-    return Log(source, frames, times)
+def from_packets(source: ByteSource, packets: Packets) -> Log:
+    """Return a log of packets that were found in `source`."""
+    if (packets.flags & IS_UNKNOWN).any():
+        packets = packets.take(~implausible(packets))
+    if len(packets) and bool((packets.time_us == NO_TIME).all()):
+        return Log(source, packets, times_since_boot_us(source, packets))
+    times, _ = clock.mend(packets.time_us)
+    return Log(source, packets, times)
 
 
 def _known_ids(patterns: Iterable[str]) -> list[int] | None:
@@ -49,24 +49,24 @@ def _known_ids(patterns: Iterable[str]) -> list[int] | None:
     return sorted(found)
 
 
-def _read_whole(source: Source, window_bytes: int = WINDOW_BYTES) -> Log:
-    """Return the log with all of its frames; LogFileError where there are none."""
+def _read_whole(source: ByteSource, window_bytes: int = WINDOW_BYTES) -> Log:
+    """Return the log with all of its packets; LogFileError where there are none."""
     source = held(source)
-    log = from_frames(source, join(list(scan(source, window_bytes))))
+    log = from_packets(source, join(list(scan(source, window_bytes))))
     if not len(log):
         raise LogFileError(
-            f"{source.name} holds no MAVLink frame: it is no tlog, or damaged throughout"
+            f"{source.name} holds no MAVLink packet: it is no tlog, or damaged throughout"
         )
     return log
 
 
-def _read_types(source: Source, patterns: Iterable[str], window_bytes: int) -> Log | None:
-    """Return the log with frames of these types, None where it has to be read whole for them."""
+def _read_types(source: ByteSource, patterns: Iterable[str], window_bytes: int) -> Log | None:
+    """Return the log with packets of these types, None where it has to be read whole for them."""
     msgids = _known_ids(patterns)
-    frames = None if msgids is None else find_chained(mapped(source), msgids, window_bytes)
-    if frames is None:
+    packets = None if msgids is None else find_chained(mapped(source), msgids, window_bytes)
+    if packets is None:
         return None
-    return Log(source, frames, frames.time_us, lambda: _read_whole(source, window_bytes))
+    return Log(source, packets, packets.time_us, lambda: _read_whole(source, window_bytes))
 
 
 def read(
@@ -79,10 +79,10 @@ def read(
     end_us: int | None = None,
     window_bytes: int = WINDOW_BYTES,
 ) -> Log:
-    """Read a log: find every frame, check every checksum, decode nothing yet.
+    """Read a log: find every packet, check every checksum, decode nothing yet.
 
     Where only some types are asked for, and the log is whole, checksums of others are not computed.
-    The file is read in windows, so that memory is bounded by the index (26 bytes a frame) and by
+    The file is read in windows, so that memory is bounded by the index (26 bytes a packet) and by
     what is asked for. Raises LogFileError, one line that says what to do, for what is no log.
     """
     source = open_source(path)
@@ -96,9 +96,9 @@ def read(
 
 
 def read_bytes(data: bytes | NDArray[np.uint8], name: str = "memory") -> Log:
-    """Read a log from memory; one that holds no frame is an empty log."""
+    """Read a log from memory; one that holds no packet is an empty log."""
     source = MemorySource(np.frombuffer(data, dtype=np.uint8), name)
-    return from_frames(source, join(list(scan(source))))
+    return from_packets(source, join(list(scan(source))))
 
 
 def read_windows(
@@ -110,7 +110,7 @@ def read_windows(
     """Yield the log in pieces, one a window: memory stays bounded whatever the log's size."""
     source = open_source(path)
     patterns = None if types is None else list(types)
-    for frames in scan(source, window_bytes):
-        if len(frames):
-            piece = from_frames(source, frames)
+    for packets in scan(source, window_bytes):
+        if len(packets):
+            piece = from_packets(source, packets)
             yield piece if patterns is None else piece.select(types=patterns)

@@ -1,0 +1,1 @@
+"""Packets to columns: one table a message type, numbers computed on them."""

@@ -1,0 +1,1 @@
+"""What a log says as plain values, ready for JSON."""
