@@ -202,7 +202,7 @@ class Simulation:
         return Delay(latency_s) if latency_s > 0.0 else None
 
     def _sense(self) -> None:
-        if self.parameters.version != self._parameters_version:
+        if self.parameters.values is not self._parameter_values:
             self._load()
         self._sensors.battery.advance(TICK_US, self._pack, armed=self.autopilot.armed)
         self.readings = self._sensors.update(self.state, self._pack, shaken=self.autopilot.armed)
@@ -210,8 +210,7 @@ class Simulation:
 
     def _load(self) -> None:
         """Take changed parameters in."""
-        p = self.parameters
-        self._parameters_version = p.version
+        p = self._parameter_values = self.parameters.values
         self._pack = Pack(
             int(p["BAT1_N_CELLS"]),
             p["BAT1_V_CHARGED"],

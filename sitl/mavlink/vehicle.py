@@ -22,10 +22,6 @@ from sitl.records.vehicle import (
 class Parameters(Protocol):
     """A table of typed parameters under PX4's names."""
 
-    @property
-    def version(self) -> int:
-        """Counts the changes."""
-
     def __contains__(self, name: object) -> bool: ...
 
     def names(self) -> list[str]:

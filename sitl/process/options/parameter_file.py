@@ -35,14 +35,14 @@ class ParameterFile:
         self._path = path.resolve()  # a link stays one
         self._parameters = parameters
         self._load()
-        self._saved_version = parameters.version
+        self._saved = parameters.values
 
     def save(self) -> None:
         """Write the file if a parameter has changed since; the old one is replaced as a whole."""
         parameters = self._parameters
-        if parameters.version == self._saved_version:
+        if parameters.values is self._saved:
             return
-        self._saved_version = parameters.version
+        self._saved = parameters.values
         lines = [self._line(name) for name in parameters.names() if self._is_changed(name)]
         draft = self._path.with_name(self._path.name + ".new")
         try:

@@ -80,7 +80,6 @@ class FakeParameters:
             "MAV_SYS_ID": 1,
             "MPC_XY_VEL_MAX": 12.0,
         }
-        self.version = 0
 
     def __contains__(self, name: object) -> bool:
         return name in self.values
@@ -98,7 +97,6 @@ class FakeParameters:
         if not 0.0 <= value <= 100.0:
             raise UsageError(f"parameter {name}: must be 0 to 100")
         self.values[name] = value
-        self.version += 1
 
 
 class FakeMissions:
