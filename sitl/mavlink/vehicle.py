@@ -37,7 +37,7 @@ class Parameters(Protocol):
         """Change a value; raises UsageError if it is not allowed."""
 
 
-class Missions(Protocol):
+class MissionStore(Protocol):
     """The plans that are kept, and how far the flight of one has come."""
 
     @property
@@ -64,7 +64,7 @@ class Autopilot(Protocol):
     """Whoever flies the vehicle."""
 
     @property
-    def missions(self) -> Missions:
+    def missions(self) -> MissionStore:
         """Its missions, fences and rally points."""
 
     @property
