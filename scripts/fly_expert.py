@@ -63,7 +63,7 @@ def fly(config: SimulationConfig, expert: BlindExpert) -> int:
         while simulation.course.state is CourseState.ACTIVE:
             if simulation.time_us > LONGEST_S * 1e6:
                 break
-            if simulation.frame_due():
+            if simulation.image_due():
                 due = simulation.course.gates_passed
                 gate, following = gates[due % len(gates)], gates[(due + 1) % len(gates)]
                 _steer(simulation, expert.command(simulation.state, gate, following))

@@ -16,7 +16,7 @@ from sitl.frames import quaternion_from_euler
 from sitl.records.conditions import Conditions
 from sitl.records.course import CourseEvent, CourseStatus
 from sitl.records.failures import SENSORS, Failure, FailureType, FailureUnit
-from sitl.records.images import Frame, FrameStamp
+from sitl.records.images import Image, ImageStamp
 from sitl.records.motion import Vector3, VehicleState
 from sitl.records.sensing import Estimate, Readings
 from sitl.sensors.battery import Pack
@@ -93,7 +93,7 @@ class Simulation:
         self._delay: Delay | None = None
         self._latency_s = 0.0
         self._take_conditions()
-        self._frames = Schedule(CAMERA_RATE_HZ)
+        self._images = Schedule(CAMERA_RATE_HZ)
         self._sequence = 0
         self._events: list[CourseEvent] = []
         self._hover_thrust = airframe.hover_thrust
@@ -133,9 +133,9 @@ class Simulation:
         events, self._events = self._events, []
         return events
 
-    def frame_due(self) -> bool:
+    def image_due(self) -> bool:
         """Whether the camera gives an image out at this tick; true once for each."""
-        is_taken = self._frames.due(self.time_us) and self._breakage.takes_image(self.time_us)
+        is_taken = self._images.due(self.time_us) and self._breakage.takes_image(self.time_us)
         if self._delay is None:
             return is_taken
         if is_taken:
@@ -153,23 +153,23 @@ class Simulation:
         return self._breakage.signal_fault
 
     @property
-    def frame_stamp(self) -> FrameStamp:
+    def image_stamp(self) -> ImageStamp:
         """Time and number of the image that `render` gives."""
         if self._delay is None:
-            return FrameStamp(self.time_us, self._sequence)
+            return ImageStamp(self.time_us, self._sequence)
         return self._delay.first_stamp
 
-    def render(self) -> Frame:
+    def render(self) -> Image:
         """Give the image out that is due: one of this moment, unless the camera is late."""
         return self._take_image() if self._delay is None else self._delay.take()
 
-    def _take_image(self) -> Frame:
+    def _take_image(self) -> Image:
         rgb = self._camera.render(self.state.position_ned, self.state.q_ned_frd)
         if self._spoiler is not None:
             rgb = self._spoiler.spoil(rgb)
-        frame = Frame(time_us=self.time_us, sequence=self._sequence, rgb=rgb)
+        image = Image(time_us=self.time_us, sequence=self._sequence, rgb=rgb)
         self._sequence += 1
-        return self._breakage.picture(frame)
+        return self._breakage.picture(image)
 
     def start_airborne(self, position_ned: Vector3, yaw_rad: float, speed_m_s: float = 0.0) -> None:
         """Put the vehicle into the air: armed, in OFFBOARD, flying straight ahead."""

@@ -28,7 +28,7 @@ from sitl.mavlink.streams.view import View
 from sitl.mavlink.vehicle import Vehicle
 from sitl.mavlink.wire.dialect import AUTOPILOT, CAMERA, REFEREE
 from sitl.mavlink.wire.framing import Received
-from sitl.records.images import FrameStamp
+from sitl.records.images import ImageStamp
 
 COMPONENTS = (AUTOPILOT, CAMERA, REFEREE)
 LOG_LOOK_HZ = 10  # how often it is looked whether a flight begins or ends
@@ -68,7 +68,7 @@ class Endpoint:
         self._dispatcher = Dispatcher(vehicle, self._servers, self._outgoing, ports, system=system)
 
     def take_answer(self) -> int:
-        """Give the stamp of the frame that a new offboard setpoint answers, -1 if none came."""
+        """Give the stamp of the image that a new offboard setpoint answers, -1 if none came."""
         return self._servers.setpoints.take_answer()
 
     @property
@@ -103,8 +103,8 @@ class Endpoint:
             self.advance_lists(time_us - self._published_us)
         self._published_us = time_us
 
-    def publish_trigger(self, stamp: FrameStamp) -> None:
-        """Announce a camera frame, before its bytes go out."""
+    def publish_trigger(self, stamp: ImageStamp) -> None:
+        """Announce a camera image, before its bytes go out."""
         if self._vehicle.is_silent:
             return
         self._outgoing.broadcast(self._servers.camera.trigger(stamp), CAMERA)

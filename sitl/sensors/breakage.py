@@ -3,7 +3,7 @@
 import numpy as np
 
 from sitl.records.failures import SLOWER, Failure, FailureType, FailureUnit, is_gone
-from sitl.records.images import Frame
+from sitl.records.images import Image
 from sitl.records.motion import MotorThrusts
 from sitl.sensors.fault import Fault
 from sitl.sensors.noise import normals
@@ -22,8 +22,8 @@ class Breakage:
         self._last: MotorThrusts = (0.0, 0.0, 0.0, 0.0)
         self._signal: tuple[FailureType, int] | None = None  # and the time since when
         self._camera: tuple[FailureType, int] | None = None
-        self._frames = 0
-        self._stuck: Frame | None = None
+        self._images = 0
+        self._stuck: Image | None = None
 
     def fail(self, failure: Failure, time_us: int) -> None:
         """Break something, or repair it."""
@@ -71,21 +71,21 @@ class Breakage:
         if self._camera is None:
             return True
         kind, since_us = self._camera
-        self._frames += 1
+        self._images += 1
         if kind is FailureType.SLOW:
-            return self._frames % SLOWER == 0
+            return self._images % SLOWER == 0
         if kind is FailureType.INTERMITTENT:
             return not is_gone(since_us, time_us)
         return kind is not FailureType.OFF
 
-    def picture(self, frame: Frame) -> Frame:
+    def picture(self, image: Image) -> Image:
         """Give the image as it leaves the camera."""
         if self._camera is None:
-            return frame
-        rgb = frame.rgb
+            return image
+        rgb = image.rgb
         if self._camera[0] is FailureType.GARBAGE:
             rgb = self._rng.integers(0, 256, rgb.shape, dtype=np.uint8)
         elif self._camera[0] is FailureType.STUCK:
-            self._stuck = self._stuck or frame
+            self._stuck = self._stuck or image
             rgb = self._stuck.rgb
-        return Frame(time_us=frame.time_us, sequence=frame.sequence, rgb=rgb)
+        return Image(time_us=image.time_us, sequence=image.sequence, rgb=rgb)

@@ -101,7 +101,7 @@ def _record(
     noise = _Disturbance(rng, recipe)
     images: list[NDArray[np.uint8]] = []
     labels: list[NDArray[np.float64]] = []
-    simulation.frame_due()
+    simulation.image_due()
     while len(labels) < recipe.frames and simulation.course.state is CourseState.ACTIVE:
         if len(labels) % every == 0:
             images.append(simulation.render().rgb)
@@ -112,7 +112,7 @@ def _record(
         _command(simulation, label + noise.draw() if pilot is None else pilot(images[-1]))
         while True:
             simulation.step()
-            if simulation.frame_due():
+            if simulation.image_due():
                 break
     if simulation.course.state is CourseState.FAILED:
         labels = labels[: -recipe.lost_frames]

@@ -7,7 +7,7 @@ from sitl.mavlink.servers.command_server import ACCEPTED, DENIED, UNSUPPORTED, a
 from sitl.mavlink.servers.request import Request
 from sitl.mavlink.streams.health import component_heartbeat
 from sitl.mavlink.wire.dialect import Message, mavlink
-from sitl.records.images import FrameStamp
+from sitl.records.images import ImageStamp
 
 VENDOR, MODEL = b"flightstack", b"sitl camera"
 FIRMWARE = 1  # major 1
@@ -45,8 +45,8 @@ class CameraComponent:
         """Say that the camera is there."""
         return component_heartbeat(mavlink.MAV_TYPE_CAMERA)
 
-    def trigger(self, stamp: FrameStamp) -> Message:
-        """Say that an image was taken: CAMERA_TRIGGER with the frame's own stamp and number."""
+    def trigger(self, stamp: ImageStamp) -> Message:
+        """Say that an image was taken: CAMERA_TRIGGER with the image's own stamp and number."""
         return mavlink.MAVLink_camera_trigger_message(stamp.time_us, stamp.sequence & 0xFFFFFFFF)
 
     def handle(self, message: Message, request: Request, time_us: int) -> None:

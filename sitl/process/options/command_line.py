@@ -186,7 +186,7 @@ def _add_time(parser: argparse.ArgumentParser) -> None:
         help="1: real time; 0: as fast as possible",
     )
     running.add_argument(
-        "--lockstep", action="store_true", help="wait for an answer to each camera frame"
+        "--lockstep", action="store_true", help="wait for an answer to each camera image"
     )
     running.add_argument(
         "--ready-after",

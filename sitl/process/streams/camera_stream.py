@@ -1,6 +1,6 @@
 """Serve the camera as a stamped HTTP stream, without ever blocking the vehicle.
 
-A new client gets the latest frame at once. A client that cannot keep up skips frames: what it
+A new client gets the latest image at once. A client that cannot keep up skips images: what it
 is being sent is finished, then it gets the newest.
 """
 
@@ -10,7 +10,7 @@ import socket
 
 from sitl.errors import LinkError
 from sitl.process.streams.http_stream import MAX_REQUEST_BYTES, Encoding, answer, is_complete, part
-from sitl.records.images import Frame
+from sitl.records.images import Image
 
 LOOPBACK = "127.0.0.1"
 MAX_CLIENTS = 16
@@ -26,7 +26,7 @@ class _Client:
         self.answered = False
         self.encoding: Encoding | None = None  # of the stream it asked for
         self.pending = memoryview(b"")
-        self.sequence = -1  # of the last frame that it was given
+        self.sequence = -1  # of the last image that it was given
 
 
 class CameraStream:
@@ -43,8 +43,8 @@ class CameraStream:
         self._listener = _listen(port)
         self._selector.register(self._listener, selectors.EVENT_READ)
         self._clients: dict[socket.socket, _Client] = {}
-        self._latest: Frame | None = None
-        self._parts: dict[str, bytes] = {}  # of the latest frame, by encoding
+        self._latest: Image | None = None
+        self._parts: dict[str, bytes] = {}  # of the latest image, by encoding
         self.has_viewers = False  # anybody is connected to a stream
 
     def close(self) -> None:
@@ -68,9 +68,9 @@ class CameraStream:
         """Give what becomes readable when `serve` has something to do: the selector's own."""
         return self._selector.fileno()
 
-    def publish(self, frame: Frame) -> None:
-        """Give a new frame to everybody who is ready for it."""
-        self._latest = frame
+    def publish(self, image: Image) -> None:
+        """Give a new image to everybody who is ready for it."""
+        self._latest = image
         self._parts.clear()
         for client in list(self._clients.values()):
             if client.encoding is not None and not client.pending:
@@ -129,7 +129,7 @@ class CameraStream:
             self._drop(client)
 
     def _flush(self, client: _Client) -> None:
-        """Send as much as the connection takes, the newest frame last."""
+        """Send as much as the connection takes, the newest image last."""
         while True:
             if not client.pending:
                 client.pending = memoryview(self._next_part(client))
@@ -152,12 +152,12 @@ class CameraStream:
             self._selector.modify(client.connection, selectors.EVENT_READ, client)
 
     def _next_part(self, client: _Client) -> bytes:
-        frame, encoding = self._latest, client.encoding
-        if frame is None or encoding is None or frame.sequence <= client.sequence:
+        image, encoding = self._latest, client.encoding
+        if image is None or encoding is None or image.sequence <= client.sequence:
             return b""
-        client.sequence = frame.sequence
+        client.sequence = image.sequence
         if encoding.suffix not in self._parts:
-            self._parts[encoding.suffix] = part(frame, encoding)
+            self._parts[encoding.suffix] = part(image, encoding)
         return self._parts[encoding.suffix]
 
     def _drop(self, client: _Client) -> None:

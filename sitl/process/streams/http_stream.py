@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from sitl.records.images import Frame
+from sitl.records.images import Image
 
 BOUNDARY = b"frame"
 MAX_REQUEST_BYTES = 8192
@@ -70,14 +70,14 @@ def answer(request: bytes) -> tuple[bytes, Encoding | None]:
     return _page(b"404 Not Found", b"there are /, /stream and /stream.mjpg\n"), None
 
 
-def part(frame: Frame, encoding: Encoding) -> bytes:
+def part(image: Image, encoding: Encoding) -> bytes:
     """Wrap one image; the boundary follows it, so that browsers show it at once."""
-    data = encoding.encode(frame.rgb)
-    seconds, microseconds = divmod(frame.time_us, 1_000_000)
+    data = encoding.encode(image.rgb)
+    seconds, microseconds = divmod(image.time_us, 1_000_000)
     head = (
         f"Content-Length: {len(data)}\r\n"
         f"X-Timestamp: {seconds}.{microseconds:06d}\r\n"
-        f"X-Sequence: {frame.sequence}\r\n\r\n"
+        f"X-Sequence: {image.sequence}\r\n\r\n"
     )
     return b"".join(
         (

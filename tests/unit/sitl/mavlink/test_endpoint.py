@@ -11,7 +11,7 @@ from sitl.clock import TICK_US
 from sitl.mavlink.wire.dialect import AUTOPILOT, CAMERA, REFEREE, mavlink
 from sitl.mavlink.wire.framing import Packet, Received, frame
 from sitl.records.course import CourseEvent, CourseEventKind
-from sitl.records.images import FrameStamp
+from sitl.records.images import ImageStamp
 from sitl.records.texts import StatusText
 from tests.unit.sitl.mavlink.bench import Bench
 
@@ -157,7 +157,7 @@ def test_nobody_speaks_in_the_vehicles_name(bench: Bench) -> None:
 
 
 def test_a_trigger_goes_to_both_links_in_the_cameras_name(bench: Bench) -> None:
-    bench.endpoint.publish_trigger(FrameStamp(52_000, 1))
+    bench.endpoint.publish_trigger(ImageStamp(52_000, 1))
     for client in (bench.gcs, bench.api):
         (trigger,) = client.take()
         message = trigger.message
