@@ -19,8 +19,8 @@ from sitl.mavlink.servers.signing_server import SigningServer
 from sitl.mavlink.streams.outgoing import Outgoing, Port
 from sitl.mavlink.vehicle import Vehicle
 from sitl.mavlink.wire.dialect import AUTOPILOT, CAMERA, REFEREE, Message, mavlink
-from sitl.mavlink.wire.framing import Received
 from sitl.mavlink.wire.newer_messages import RequestEvent
+from sitl.mavlink.wire.packets import Received
 from sitl.mavlink.wire.refusals import Refusal, Refusals
 
 COMMANDS = {mavlink.MAVLINK_MSG_ID_COMMAND_LONG, mavlink.MAVLINK_MSG_ID_COMMAND_INT}

@@ -27,7 +27,7 @@ from sitl.mavlink.streams.outgoing import Outgoing, Port
 from sitl.mavlink.streams.view import View
 from sitl.mavlink.vehicle import Vehicle
 from sitl.mavlink.wire.dialect import AUTOPILOT, CAMERA, REFEREE
-from sitl.mavlink.wire.framing import Received
+from sitl.mavlink.wire.packets import Received
 from sitl.records.images import ImageStamp
 
 COMPONENTS = (AUTOPILOT, CAMERA, REFEREE)
@@ -148,7 +148,7 @@ class Endpoint:
             commands=CommandServer(vehicle, system, storage.metadata),
             missions=MissionServer(vehicle, self._outgoing.broadcast, self._outgoing.say),
             parameters=ParameterServer(
-                vehicle.parameters, self._outgoing.broadcast_packet, refusals
+                vehicle.parameters, self._outgoing.broadcast_packed, refusals
             ),
             setpoints=SetpointServer(vehicle),
             ground_station=GroundStationWatch(),

@@ -15,7 +15,7 @@ from sitl.errors import UsageError
 from sitl.records.motion import Vector3
 
 CALM: Vector3 = (0.0, 0.0, 0.0)
-LEAST_DECOY_M = 1.8  # a gate is 1.6 m wide: nearer ones would stand in each other
+MIN_DECOY_M = 1.8  # a gate is 1.6 m wide: nearer ones would stand in each other
 
 T = TypeVar("T")
 
@@ -88,9 +88,9 @@ class Conditions:
 
     def __post_init__(self) -> None:
         """Check what the ranges alone do not; raises UsageError."""
-        if 0.0 < abs(self.course.decoy_inwards_m) < LEAST_DECOY_M:
+        if 0.0 < abs(self.course.decoy_inwards_m) < MIN_DECOY_M:
             raise UsageError(
-                f"course.decoy_inwards_m: must be 0 or at least {LEAST_DECOY_M} either way, "
+                f"course.decoy_inwards_m: must be 0 or at least {MIN_DECOY_M} either way, "
                 f"got {self.course.decoy_inwards_m:g}"
             )
 

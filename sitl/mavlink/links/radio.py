@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from sitl.mavlink.links.link import Link
-from sitl.mavlink.wire.framing import Received
+from sitl.mavlink.wire.packets import Received
 from sitl.records.failures import SLOWER, FailureType
 
 DELAY_US = 500_000

@@ -140,7 +140,7 @@ class CommandServer:
         return ACCEPTED
 
     def _request_protocol_version(self, _command: Command, request: Request) -> int:
-        request.outlet.send_packet(protocol_version())
+        request.outlet.send_packed(protocol_version())
         return ACCEPTED
 
     def _set_interval(self, command: Command, request: Request) -> int:

@@ -23,7 +23,7 @@ class SigningServer:
         self._guard = guard
 
     def set_up(self, message: Message, request: Request) -> None:
-        """Take over the key, unless armed. There is no answer: the next frames are signed."""
+        """Take over the key, unless armed. There is no answer: the next packets are signed."""
         if self._vehicle.autopilot.status.armed:
             self._guard.refusals.note([Refusal.KEY_CHANGE])
             return

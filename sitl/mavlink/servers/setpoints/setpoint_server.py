@@ -29,7 +29,7 @@ ABOVE_HOME_FRAMES = {6, 11}
 
 
 class SetpointServer:
-    """Pass setpoints to the autopilot, and remember which camera frame the last one answers."""
+    """Pass setpoints to the autopilot, and remember which camera image the last one answers."""
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
@@ -38,7 +38,7 @@ class SetpointServer:
     def take_answer(self) -> int:
         """Give the time_boot_ms, in us, of the newest setpoint since the last call; -1 if none.
 
-        A refused one counts too: its sender has seen the frame.
+        A refused one counts too: its sender has seen the image.
         """
         answered_us, self._answered_us = self._answered_us, -1
         return answered_us
@@ -82,7 +82,7 @@ class SetpointServer:
         return None
 
     def _note_answer(self, time_boot_ms: int) -> None:
-        """Remember the frame that is answered; nobody has seen one that is yet to come."""
+        """Remember the image that is answered; nobody has seen one that is yet to come."""
         answered_us = time_boot_ms * 1000
         if answered_us <= self._vehicle.time_us:
             self._answered_us = max(self._answered_us, answered_us)

@@ -11,7 +11,7 @@ from sitl.mavlink.components.camera_component import CameraFacts
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.links.udp_link import LinkConfig, UdpLink
 from sitl.mavlink.wire.dialect import mavlink
-from sitl.mavlink.wire.framing import Received, frame, pack, split
+from sitl.mavlink.wire.packets import Received, pack, split, wrap
 from sitl.process.server import Server
 from sitl.process.streams.camera_stream import CameraStream
 from sitl.records.images import Image, ImageStamp
@@ -72,7 +72,7 @@ class Companion:
             stream.serve(1.0)
 
     def send(self, message: Any) -> None:
-        raw = frame(pack(message), sequence=0, system=1, component=191)
+        raw = wrap(pack(message), sequence=0, system=1, component=191)
         self.udp.sendto(raw, self.vehicle)
 
     def command(self, number: int) -> None:
