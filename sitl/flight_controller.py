@@ -6,13 +6,13 @@ another autopilot may, such as a real PX4 over its HIL interface. Time is that o
 
 from typing import Protocol
 
-from sitl.mavlink.vehicle import Autopilot
+from sitl.mavlink.vehicle import CommandedAutopilot
 from sitl.records.failures import Failure
 from sitl.records.motion import MotorThrusts
 from sitl.records.sensing import Estimate
 
 
-class FlightController(Autopilot, Protocol):
+class FlightController(CommandedAutopilot, Protocol):
     """Flies one vehicle, a tick at a time; over the wire it is talked to as any autopilot."""
 
     def step(self, estimate: Estimate) -> MotorThrusts:

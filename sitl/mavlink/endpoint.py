@@ -23,9 +23,9 @@ from sitl.mavlink.servers.parameter_server import ParameterServer
 from sitl.mavlink.servers.setpoints.setpoint_server import SetpointServer
 from sitl.mavlink.servers.signing_server import SigningServer
 from sitl.mavlink.streams.health import heartbeat_now
-from sitl.mavlink.streams.outgoing import Outgoing, Port
+from sitl.mavlink.streams.outgoing import ComponentOutlet, Outgoing
 from sitl.mavlink.streams.view import View
-from sitl.mavlink.vehicle import Vehicle
+from sitl.mavlink.vehicle import SimulatedVehicle
 from sitl.mavlink.wire.dialect import AUTOPILOT, CAMERA, REFEREE
 from sitl.mavlink.wire.packets import Received
 from sitl.records.images import ImageStamp
@@ -39,7 +39,7 @@ class Endpoint:
 
     def __init__(
         self,
-        vehicle: Vehicle,
+        vehicle: SimulatedVehicle,
         links: Sequence[Link],
         *,
         system: int,
@@ -62,10 +62,14 @@ class Endpoint:
         self._log_looks = Schedule(LOG_LOOK_HZ)
         self._published_us = vehicle.time_us
         self._servers = self._make_servers(system, camera, guard)
-        ports = {
-            (link.index, c): Port(link, c, guard.refusals) for link in links for c in COMPONENTS
+        outlets = {
+            (link.index, c): ComponentOutlet(link, c, guard.refusals)
+            for link in links
+            for c in COMPONENTS
         }
-        self._dispatcher = Dispatcher(vehicle, self._servers, self._outgoing, ports, system=system)
+        self._dispatcher = Dispatcher(
+            vehicle, self._servers, self._outgoing, outlets, system=system
+        )
 
     def take_answer(self) -> int:
         """Give the stamp of the image that a new offboard setpoint answers, -1 if none came."""

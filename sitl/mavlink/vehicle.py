@@ -19,7 +19,7 @@ from sitl.records.vehicle import (
 )
 
 
-class Parameters(Protocol):
+class ParameterStore(Protocol):
     """A table of typed parameters under PX4's names."""
 
     def __contains__(self, name: object) -> bool: ...
@@ -60,7 +60,7 @@ class MissionStore(Protocol):
         """Hand over the items that were reached since the last call."""
 
 
-class Autopilot(Protocol):
+class CommandedAutopilot(Protocol):
     """Whoever flies the vehicle."""
 
     @property
@@ -101,7 +101,7 @@ class Autopilot(Protocol):
         """Hand over what it has said since the last call."""
 
 
-class Vehicle(Protocol):
+class SimulatedVehicle(Protocol):
     """One simulated vehicle on its course."""
 
     @property
@@ -129,11 +129,11 @@ class Vehicle(Protocol):
         """Whether a failure keeps it from sending and hearing anything."""
 
     @property
-    def autopilot(self) -> Autopilot:
+    def autopilot(self) -> CommandedAutopilot:
         """Whoever flies it."""
 
     @property
-    def parameters(self) -> Parameters:
+    def parameters(self) -> ParameterStore:
         """Its parameters."""
 
     @property

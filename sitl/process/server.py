@@ -35,7 +35,7 @@ TICKS_AT_ONCE = 25  # without looking up, as fast as possible: an image comes ev
 _log = logging.getLogger(__name__)
 
 
-class Simulation(Protocol):
+class ServedSimulation(Protocol):
     """What is run: a vehicle in its world."""
 
     @property
@@ -61,7 +61,7 @@ class Server:
 
     def __init__(
         self,
-        simulation: Simulation,
+        simulation: ServedSimulation,
         endpoint: Endpoint,
         links: Sequence[Link],
         stream: CameraStream,
@@ -103,9 +103,9 @@ class Server:
         """Say now and then what was refused."""
         self._refusals = refusals
 
-    def each_second(self, deed: Callable[[], None]) -> None:
+    def each_second(self, action: Callable[[], None]) -> None:
         """Do something once a second of wall time."""
-        self._each_second.append(deed)
+        self._each_second.append(action)
 
     def send_video(self, video: VideoSender) -> None:
         """Send every image as video, too."""
@@ -231,7 +231,7 @@ class Server:
             return
         self._flush_s = now_s
         self._refusals.report(now_s)
-        for deed in self._each_second:
-            deed()
+        for action in self._each_second:
+            action()
         if self._tlog is not None:
             self._tlog.flush()

@@ -52,15 +52,15 @@ class CameraComponent:
     def handle(self, message: Message, request: Request, time_us: int) -> None:
         """Answer a command addressed to the camera."""
         self._time_ms = time_us // 1000
-        asked = {
+        requested = {
             mavlink.MAV_CMD_REQUEST_MESSAGE: message.param1,
             REQUEST_CAMERA_INFORMATION: mavlink.MAVLINK_MSG_ID_CAMERA_INFORMATION,
             REQUEST_VIDEO_STREAM_INFORMATION: mavlink.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION,
         }.get(message.command)
-        if asked is None:
+        if requested is None:
             acknowledge(request, message.command, UNSUPPORTED)
             return
-        encode = self._requestable.get(asked)
+        encode = self._requestable.get(requested)
         if encode is not None:
             request.outlet.send(encode())
         acknowledge(request, message.command, DENIED if encode is None else ACCEPTED)

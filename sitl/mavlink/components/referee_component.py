@@ -13,7 +13,7 @@ import math
 from sitl.mavlink.servers.command_server import ACCEPTED, DENIED, UNSUPPORTED, acknowledge
 from sitl.mavlink.servers.request import Request
 from sitl.mavlink.streams.health import component_heartbeat
-from sitl.mavlink.vehicle import Vehicle
+from sitl.mavlink.vehicle import SimulatedVehicle
 from sitl.mavlink.wire.dialect import Message, mavlink
 from sitl.mavlink.wire.texts import statustexts
 from sitl.records.course import CourseEvent, CourseEventKind, CourseState, CourseStatus, Gate
@@ -40,7 +40,7 @@ LOCAL_SCALE = 1e4  # MISSION_ITEM_INT.x and y of a local frame
 class RefereeComponent:
     """Put the course's events and score on the wire."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self._vehicle = vehicle
         self._texts = 0
 

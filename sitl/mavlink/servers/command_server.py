@@ -16,7 +16,7 @@ from sitl.mavlink.streams.identity import (
     protocol_version,
 )
 from sitl.mavlink.streams.view import View
-from sitl.mavlink.vehicle import Vehicle
+from sitl.mavlink.vehicle import SimulatedVehicle
 from sitl.mavlink.wire.dialect import AUTOPILOT, Message, mavlink
 from sitl.mavlink.wire.newer_messages import ComponentMetadata
 from sitl.records.vehicle import Command
@@ -79,7 +79,9 @@ def parse(message: Message) -> Command | None:
 class CommandServer:
     """The autopilot component's side of the command protocol."""
 
-    def __init__(self, vehicle: Vehicle, system: int, metadata: Metadata | None = None) -> None:
+    def __init__(
+        self, vehicle: SimulatedVehicle, system: int, metadata: Metadata | None = None
+    ) -> None:
         self._vehicle = vehicle
         self._metadata = metadata
         self._system = system

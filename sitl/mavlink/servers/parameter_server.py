@@ -6,7 +6,7 @@ from collections.abc import Callable
 from sitl.clock import SECOND_US
 from sitl.errors import UsageError
 from sitl.mavlink.servers.request import Outlet, Request
-from sitl.mavlink.vehicle import Parameters
+from sitl.mavlink.vehicle import ParameterStore
 from sitl.mavlink.wire.crc32 import crc32
 from sitl.mavlink.wire.dialect import Message, mavlink
 from sitl.mavlink.wire.packets import Packed
@@ -25,7 +25,7 @@ class ParameterServer:
 
     def __init__(
         self,
-        parameters: Parameters,
+        parameters: ParameterStore,
         broadcast: Callable[[Packed], None],
         refusals: Refusals | None = None,
     ) -> None:

@@ -17,7 +17,7 @@ PLAN_IS_FINE = {mavlink.MAV_MISSION_ACCEPTED, mavlink.MAV_MISSION_OPERATION_CANC
 API_INDEX = 1  # the offboard API's link; all others are ground stations'
 
 
-class Port:
+class ComponentOutlet:
     """A link as one component uses it; the refusals that go out by it are counted."""
 
     def __init__(self, link: Link, component: int, refusals: Refusals) -> None:

@@ -60,7 +60,7 @@ class Options:
         return self.instance + 1
 
 
-class _Parser(argparse.ArgumentParser):
+class _UsageParser(argparse.ArgumentParser):
     """Errors are one line that says what to do."""
 
     def error(self, message: str) -> NoReturn:
@@ -113,7 +113,7 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = _UsageParser(
         prog="python -m sitl",
         description="A simulated PX4-style quadrotor with a camera, on a course of gates.",
         epilog="PX4_SIM_SPEED_FACTOR, PX4_HOME_LAT, PX4_HOME_LON, PX4_HOME_ALT and "

@@ -11,7 +11,7 @@ import math
 from sitl.frames import ned_from_geodetic
 from sitl.mavlink.servers.setpoints.attitude_setpoint import interpret_attitude
 from sitl.mavlink.servers.setpoints.manual_control import interpret_sticks
-from sitl.mavlink.vehicle import Vehicle
+from sitl.mavlink.vehicle import SimulatedVehicle
 from sitl.mavlink.wire.dialect import Message, mavlink
 from sitl.records.motion import Vector3
 from sitl.records.texts import CRITICAL, StatusText
@@ -31,7 +31,7 @@ ABOVE_HOME_FRAMES = {6, 11}
 class SetpointServer:
     """Pass setpoints to the autopilot, and remember which camera image the last one answers."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self._vehicle = vehicle
         self._answered_us = -1
 
