@@ -8,6 +8,7 @@ k_M thrust, and an in-plane drag proportional to omega and to the air speed of i
 """
 
 import math
+from typing import NamedTuple
 
 import pybullet
 
@@ -20,11 +21,20 @@ from sitl.frames import (
     to_bullet_quaternion,
 )
 from sitl.records.motion import MotorThrusts, Quaternion, Vector3, VehicleState
-from sitl.world.airframe import Airframe
+from sitl.world.airframe import ROTORS, Airframe
 
 ORIGIN = (0.0, 0.0, 0.0)
 FRICTION = 0.8  # assumption: rubber feet on a hard floor
 VISUAL_RGBA = (0.15, 0.15, 0.17, 1.0)
+
+
+class Motion(NamedTuple):
+    """Where the body is and how it moves, as the physics engine has it."""
+
+    position_ned: Vector3  # m
+    velocity_ned: Vector3  # m/s
+    q_ned_frd: Quaternion
+    rates_frd: Vector3  # rad/s
 
 
 class QuadrotorBody:
@@ -49,7 +59,10 @@ class QuadrotorBody:
         self._max_speed = airframe.rotor_max_speed_rad_s
         self._rotors = _rotor_constants(airframe)
         self._lag_dt_s = self._lag_up = self._lag_down = 0.0
-        self._stale = True
+        self._omega = [0.0] * ROTORS  # rad/s
+        self._step_s = 0.0  # how long the last step was; 0: there was none
+        self._previous_velocity_ned: Vector3 = ORIGIN
+        self._motion: Motion | None = None  # none: a step has changed it
         self.body_id = self._create(visual=visual)
         self.reset(
             position_ned=position_ned,
@@ -75,28 +88,25 @@ class QuadrotorBody:
         pybullet.resetBaseVelocity(
             self.body_id, flip(velocity_ned), ORIGIN, physicsClientId=self._client
         )
-        self._omega = [self._max_speed * math.sqrt(thrust)] * 4
-        self._read()
-        self._previous_velocity_ned = self._velocity_ned
+        self._omega = [self._max_speed * math.sqrt(thrust)] * ROTORS
+        self._previous_velocity_ned = self._read().velocity_ned
         self._step_s = 0.0
 
     def apply(self, motors: MotorThrusts, dt_s: float) -> None:
         """Advance the rotors by `dt_s` and put their forces and the drag on the body."""
-        if self._stale:
-            self._read()
-        force_frd, torque_frd = self._forces(self._spin(motors, dt_s))
+        motion = self._motion or self._read()
+        force_frd, torque_frd = self._forces(motion, self._spin(motors, dt_s))
         body, client, link = self.body_id, self._client, pybullet.LINK_FRAME  # no keywords: faster
         pybullet.applyExternalForce(body, -1, flip(force_frd), ORIGIN, link, client)
         pybullet.applyExternalTorque(body, -1, flip(torque_frd), link, client)
-        self._previous_velocity_ned = self._velocity_ned
+        self._previous_velocity_ned = motion.velocity_ned
         self._step_s = dt_s
-        self._stale = True
+        self._motion = None
 
     def state(self, time_us: int) -> VehicleState:
         """Read the true state; the specific force is the mean over the last step, with contact."""
-        if self._stale:
-            self._read()
-        velocity, previous, step_s = self._velocity_ned, self._previous_velocity_ned, self._step_s
+        position, velocity, q_ned_frd, rates = self._motion or self._read()
+        previous, step_s = self._previous_velocity_ned, self._step_s
         rate = 1.0 / step_s if step_s else 0.0
         specific_force_ned = (
             (velocity[0] - previous[0]) * rate,
@@ -105,11 +115,11 @@ class QuadrotorBody:
         )
         return VehicleState(
             time_us,
-            self._position_ned,
+            position,
             velocity,
-            self._q_ned_frd,
-            self._rates_frd,
-            rotate_inverse(self._q_ned_frd, specific_force_ned),
+            q_ned_frd,
+            rates,
+            rotate_inverse(q_ned_frd, specific_force_ned),
         )
 
     @property
@@ -118,15 +128,15 @@ class QuadrotorBody:
         a, b, c, d = self._omega
         return (a, b, c, d)
 
-    def _read(self) -> None:
+    def _read(self) -> Motion:
+        """Ask the physics engine; kept until the next step."""
         body, client = self.body_id, self._client
         position, orientation = pybullet.getBasePositionAndOrientation(body, client)
         velocity, rates = pybullet.getBaseVelocity(body, client)
-        self._position_ned = flip(position)
-        self._velocity_ned = flip(velocity)
-        self._q_ned_frd = from_bullet_quaternion(orientation)
-        self._rates_frd = rotate_inverse(self._q_ned_frd, flip(rates))
-        self._stale = False
+        q_ned_frd = from_bullet_quaternion(orientation)
+        rates_frd = rotate_inverse(q_ned_frd, flip(rates))
+        self._motion = motion = Motion(flip(position), flip(velocity), q_ned_frd, rates_frd)
+        return motion
 
     def _spin(self, motors: MotorThrusts, dt_s: float) -> list[float]:
         if dt_s != self._lag_dt_s:
@@ -139,12 +149,11 @@ class QuadrotorBody:
             omega[index] += error * (self._lag_up if error > 0.0 else self._lag_down)
         return omega
 
-    def _forces(self, omega: list[float]) -> tuple[Vector3, Vector3]:
+    def _forces(self, motion: Motion, omega: list[float]) -> tuple[Vector3, Vector3]:
         """Sum thrust, reaction moment and drag over the rotors, about the centre of mass, FRD."""
         wind = self.wind_ned
-        vx, vy, vz = self._velocity_ned
-        air = rotate_inverse(self._q_ned_frd, (vx - wind[0], vy - wind[1], vz - wind[2]))
-        p, q, yaw_rate = self._rates_frd
+        _, (vx, vy, vz), q_ned_frd, (p, q, yaw_rate) = motion
+        air = rotate_inverse(q_ned_frd, (vx - wind[0], vy - wind[1], vz - wind[2]))
         drag, k_thrust = self._airframe.rotor_drag_n_s2_m, self._airframe.thrust_coefficient_n_s2
         kx, ky, kz = self._airframe.linear_drag_n_s_m
         fx, fy, fz = -kx * air[0], -ky * air[1], -kz * air[2]

@@ -21,7 +21,8 @@ from sitl.records.conditions import Conditions, Light
 from sitl.records.course import CourseState, Gate
 from sitl.records.motion import Vector3
 from sitl.records.vehicle import OffboardSetpoint
-from sitl.simulation import CAMERA_RATE_HZ, Simulation, SimulationConfig
+from sitl.sensors.camera.feed import CAMERA_RATE_HZ
+from sitl.simulation import Simulation, SimulationConfig
 from sitl.world.track import GATE_HEIGHT_M, GATES_PER_LAP
 
 LABEL_NAMES = ("vx", "vy", "vz", "yaw_rate")

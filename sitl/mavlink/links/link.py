@@ -131,7 +131,8 @@ class Link(ABC):
             self._transmit(data)
 
     def _forget(self) -> None:
-        """Drop what was gathered: whoever it was for has gone."""
+        """Drop what was gathered: whoever it was for has gone, a ground station or not."""
+        self.gcs_heard = False
         self._gathered = b""
 
     def _emit(self, data: bytes) -> None:

@@ -141,7 +141,6 @@ class TcpLink(Link):
             self._selector.unregister(self._client)
             self._client.close()
         self._client = None
-        self.gcs_heard = False
         self._unread = b""
         self._pending.clear()
         self._forget()
