@@ -213,8 +213,8 @@ def _make_autopilot(
 ) -> FlightController:
     return Autopilot(
         parameters,
-        rotor_positions_frd_m=airframe.rotor_positions_frd_m,
-        rotor_yaw_moments_m=airframe.rotor_yaw_moments_m,
+        rotor_positions_frd_m=airframe.rotors.positions_frd_m,
+        rotor_yaw_moments_m=airframe.rotors.yaw_moments_m,
         hover_thrust=airframe.hover_thrust,
         home=config.home,
     )

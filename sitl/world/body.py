@@ -21,7 +21,7 @@ from sitl.frames import (
     to_bullet_quaternion,
 )
 from sitl.records.motion import MotorThrusts, Quaternion, Vector3, VehicleState
-from sitl.world.airframe import ROTORS, Airframe
+from sitl.world.airframe import ROTORS, Airframe, Rotors
 
 ORIGIN = (0.0, 0.0, 0.0)
 FRICTION = 0.8  # assumption: rubber feet on a hard floor
@@ -56,8 +56,8 @@ class QuadrotorBody:
         self.wind_ned: Vector3 = ORIGIN  # m/s, the air's velocity
         self._client = client
         self._airframe = airframe
-        self._max_speed = airframe.rotor_max_speed_rad_s
-        self._rotors = _rotor_constants(airframe)
+        self._max_speed = airframe.rotors.max_speed_rad_s
+        self._rotors = _rotor_constants(airframe.rotors)
         self._lag_dt_s = self._lag_up = self._lag_down = 0.0
         self._omega = [0.0] * ROTORS  # rad/s
         self._step_s = 0.0  # how long the last step was; 0: there was none
@@ -141,8 +141,9 @@ class QuadrotorBody:
     def _spin(self, motors: MotorThrusts, dt_s: float) -> list[float]:
         if dt_s != self._lag_dt_s:
             self._lag_dt_s = dt_s
-            self._lag_up = 1.0 - math.exp(-dt_s / self._airframe.rotor_time_constant_up_s)
-            self._lag_down = 1.0 - math.exp(-dt_s / self._airframe.rotor_time_constant_down_s)
+            rotors = self._airframe.rotors
+            self._lag_up = 1.0 - math.exp(-dt_s / rotors.time_constant_up_s)
+            self._lag_down = 1.0 - math.exp(-dt_s / rotors.time_constant_down_s)
         omega = self._omega
         for index, thrust in enumerate(motors):
             error = self._max_speed * math.sqrt(min(max(thrust, 0.0), 1.0)) - omega[index]
@@ -154,10 +155,11 @@ class QuadrotorBody:
         wind = self.wind_ned
         _, (vx, vy, vz), q_ned_frd, (p, q, yaw_rate) = motion
         air = rotate_inverse(q_ned_frd, (vx - wind[0], vy - wind[1], vz - wind[2]))
-        drag, k_thrust = self._airframe.rotor_drag_n_s2_m, self._airframe.thrust_coefficient_n_s2
-        kx, ky, kz = self._airframe.linear_drag_n_s_m
+        rotors, body_drag = self._airframe.rotors, self._airframe.drag
+        drag, k_thrust = rotors.drag_coefficient_n_s2_m, rotors.thrust_coefficient_n_s2
+        kx, ky, kz = body_drag.linear_n_s_m
         fx, fy, fz = -kx * air[0], -ky * air[1], -kz * air[2]
-        kx, ky, kz = self._airframe.angular_drag_n_m_s
+        kx, ky, kz = body_drag.angular_n_m_s
         roll, pitch, yaw = -kx * p, -ky * q, -kz * yaw_rate
         for (x, y, moment), speed in zip(self._rotors, omega, strict=True):
             thrust = k_thrust * speed * speed
@@ -197,11 +199,9 @@ class QuadrotorBody:
         return int(body)
 
 
-def _rotor_constants(airframe: Airframe) -> tuple[Vector3, ...]:
+def _rotor_constants(rotors: Rotors) -> tuple[Vector3, ...]:
     """Give each rotor's x, y (m) and the signed reaction moment per thrust (m), FRD."""
     return tuple(
-        (x, y, direction * airframe.moment_coefficient_m)
-        for (x, y), direction in zip(
-            airframe.rotor_positions_frd_m, airframe.rotor_directions, strict=True
-        )
+        (x, y, moment)
+        for (x, y), moment in zip(rotors.positions_frd_m, rotors.yaw_moments_m, strict=True)
     )
