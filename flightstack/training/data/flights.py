@@ -16,14 +16,20 @@ from flightstack.training.data.expert import Expert, FunnelExpert
 from flightstack.training.data.minimum_jerk import MinimumJerkExpert
 from flightstack.training.recipe import FlightRecipe
 from flightstack.training.seeds import TRAINING_TRACKS
-from sitl.frames import yaw_of
-from sitl.records.conditions import Conditions, Light
-from sitl.records.course import CourseState, Gate
-from sitl.records.motion import Vector3
-from sitl.records.vehicle import OffboardSetpoint
-from sitl.sensors.camera.feed import CAMERA_RATE_HZ
-from sitl.simulation import Simulation, SimulationConfig
-from sitl.world.track import GATE_HEIGHT_M, GATES_PER_LAP
+from sitl import (
+    CAMERA_RATE_HZ,
+    GATE_HEIGHT_M,
+    GATES_PER_LAP,
+    Conditions,
+    CourseState,
+    Gate,
+    Light,
+    OffboardSetpoint,
+    Simulation,
+    SimulationConfig,
+    Vector3,
+    yaw_of,
+)
 
 LABEL_NAMES = ("vx", "vy", "vz", "yaw_rate")
 MEASURED_EVERY = 10  # frames: half a second apart, so that few images tell of many tracks
