@@ -3,11 +3,12 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from sitl.mavlink.servers.command_server import ACCEPTED, DENIED, UNSUPPORTED, acknowledge
+from sitl.mavlink.servers.command_server import acknowledge
 from sitl.mavlink.servers.request import Request
 from sitl.mavlink.streams.health import component_heartbeat
 from sitl.mavlink.wire.dialect import Message, mavlink
 from sitl.records.images import ImageStamp
+from sitl.records.mavlink_numbers import MavResult
 
 VENDOR, MODEL = b"flightstack", b"sitl camera"
 FIRMWARE = 1  # major 1
@@ -58,12 +59,13 @@ class CameraComponent:
             REQUEST_VIDEO_STREAM_INFORMATION: mavlink.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION,
         }.get(message.command)
         if requested is None:
-            acknowledge(request, message.command, UNSUPPORTED)
+            acknowledge(request, message.command, MavResult.UNSUPPORTED)
             return
         encode = self._requestable.get(requested)
         if encode is not None:
             request.outlet.send(encode())
-        acknowledge(request, message.command, DENIED if encode is None else ACCEPTED)
+        result = MavResult.DENIED if encode is None else MavResult.ACCEPTED
+        acknowledge(request, message.command, result)
 
     def _information(self) -> Message:
         return mavlink.MAVLink_camera_information_message(

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Protocol
 
-from sitl.mavlink.streams.streams import StreamTable
+from sitl.mavlink.streams.rates import StreamTable
 from sitl.mavlink.wire.dialect import Message
 from sitl.mavlink.wire.packets import Packed
 

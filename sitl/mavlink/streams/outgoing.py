@@ -4,16 +4,18 @@ from collections.abc import Callable, Sequence
 
 from sitl.mavlink.links.link import Link
 from sitl.mavlink.streams.encoders import ENCODERS
-from sitl.mavlink.streams.streams import GROUND_STATION, OFFBOARD_API, StreamTable
+from sitl.mavlink.streams.rates import GROUND_STATION, OFFBOARD_API, StreamTable
 from sitl.mavlink.streams.view import View
 from sitl.mavlink.wire.dialect import AUTOPILOT, Message, mavlink
 from sitl.mavlink.wire.packets import Packed, pack
 from sitl.mavlink.wire.refusals import Refusal, Refusals
 from sitl.mavlink.wire.texts import TAB, statustexts
+from sitl.records.mavlink_numbers import MavResult
+from sitl.records.missions import MissionResult
 from sitl.records.texts import StatusText
 
-COMMAND_IS_FINE = {mavlink.MAV_RESULT_ACCEPTED, mavlink.MAV_RESULT_IN_PROGRESS}
-PLAN_IS_FINE = {mavlink.MAV_MISSION_ACCEPTED, mavlink.MAV_MISSION_OPERATION_CANCELLED}
+COMMAND_IS_FINE = {MavResult.ACCEPTED, MavResult.IN_PROGRESS}
+PLAN_IS_FINE = {MissionResult.ACCEPTED, MissionResult.CANCELLED}
 API_INDEX = 1  # the offboard API's link; all others are ground stations'
 
 

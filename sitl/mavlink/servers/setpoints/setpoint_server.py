@@ -12,7 +12,8 @@ from sitl.frames import ned_from_geodetic
 from sitl.mavlink.servers.setpoints.attitude_setpoint import interpret_attitude
 from sitl.mavlink.servers.setpoints.manual_control import interpret_sticks
 from sitl.mavlink.vehicle import SimulatedVehicle
-from sitl.mavlink.wire.dialect import Message, mavlink
+from sitl.mavlink.wire.dialect import Message
+from sitl.records.mavlink_numbers import MavFrame
 from sitl.records.motion import Vector3
 from sitl.records.texts import CRITICAL, StatusText
 from sitl.records.vehicle import NAN_VECTOR, OffboardSetpoint
@@ -22,10 +23,8 @@ VELOCITY_BIT, ACCELERATION_BIT = 3, 6  # where each triple begins in the type ma
 YAW_IGNORED, YAW_RATE_IGNORED = 1 << 10, 1 << 11
 FORCE = 1 << 9
 LOCAL, GLOBAL = "SET_POSITION_TARGET_LOCAL_NED", "SET_POSITION_TARGET_GLOBAL_INT"
-# MAV_FRAME of global setpoints: above sea level, or above home; there is no terrain data, and the
-# ground is flat.
-GLOBAL_FRAMES = {5}
-ABOVE_HOME_FRAMES = {6, 11}
+# Of global setpoints; those above the terrain, too: there is no data of it, and the ground is flat.
+ABOVE_HOME_FRAMES = {MavFrame.GLOBAL_RELATIVE_ALT_INT, MavFrame.GLOBAL_TERRAIN_ALT_INT}
 
 
 class SetpointServer:
@@ -94,11 +93,11 @@ def interpret(message: Message, *, time_us: int, yaw_rad: float) -> OffboardSetp
     position = _triple((message.x, message.y, message.z), mask)
     velocity = _triple((message.vx, message.vy, message.vz), mask >> VELOCITY_BIT)
     acceleration = _triple((message.afx, message.afy, message.afz), mask >> ACCELERATION_BIT)
-    if message.coordinate_frame == mavlink.MAV_FRAME_BODY_NED:
+    if message.coordinate_frame == MavFrame.BODY_NED:
         position = NAN_VECTOR
         velocity = _from_body(velocity, mask >> VELOCITY_BIT, yaw_rad)
         acceleration = _from_body(acceleration, mask >> ACCELERATION_BIT, yaw_rad)
-    elif message.coordinate_frame != mavlink.MAV_FRAME_LOCAL_NED:
+    elif message.coordinate_frame != MavFrame.LOCAL_NED:
         return _refused(LOCAL, f"coordinate frame {message.coordinate_frame} unsupported")
     return _complete(message, LOCAL, position, velocity, acceleration, time_us)
 
@@ -108,7 +107,7 @@ def interpret_global(
 ) -> OffboardSetpoint | StatusText:
     """Turn a message with a place on earth into a setpoint in local NED, or say why not."""
     mask, frame = message.type_mask, message.coordinate_frame
-    if frame not in GLOBAL_FRAMES | ABOVE_HOME_FRAMES:
+    if frame not in {MavFrame.GLOBAL_INT, *ABOVE_HOME_FRAMES}:
         return _refused(GLOBAL, f"coordinate frame {frame} unsupported")
     altitude_m = message.alt
     if frame in ABOVE_HOME_FRAMES:

@@ -5,7 +5,7 @@ from typing import Any
 
 from sitl.errors import UsageError
 from sitl.mavlink.servers.request import Request
-from sitl.mavlink.streams.streams import GROUND_STATION, StreamTable
+from sitl.mavlink.streams.rates import GROUND_STATION, StreamTable
 from sitl.mavlink.wire.packets import Packed, split, wrap
 from sitl.records.course import CourseEvent, CourseState, CourseStatus, Gate
 from sitl.records.failures import FailureType
