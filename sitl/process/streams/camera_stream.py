@@ -9,13 +9,7 @@ import selectors
 import socket
 
 from sitl.errors import LinkError
-from sitl.process.streams.http_stream import (
-    MAX_REQUEST_BYTES,
-    ImageFormat,
-    answer,
-    is_complete,
-    part,
-)
+from sitl.process.streams.http_stream import MAX_REQUEST_BYTES, Coding, answer, is_complete, part
 from sitl.records.images import Image
 
 LOOPBACK = "127.0.0.1"
@@ -30,7 +24,7 @@ class _Client:
         self.connection = connection
         self.request = b""
         self.answered = False
-        self.format: ImageFormat | None = None  # of the stream that it requested
+        self.coding: Coding | None = None  # of the stream that it requested
         self.pending = memoryview(b"")
         self.sequence = -1  # of the last image that it was given
 
@@ -50,7 +44,7 @@ class CameraStream:
         self._selector.register(self._listener, selectors.EVENT_READ)
         self._clients: dict[socket.socket, _Client] = {}
         self._latest: Image | None = None
-        self._parts: dict[str, bytes] = {}  # of the latest image, by format
+        self._parts: dict[str, bytes] = {}  # of the latest image, by coding
         self.has_viewers = False  # anybody is connected to a stream
 
     def close(self) -> None:
@@ -79,7 +73,7 @@ class CameraStream:
         self._latest = image
         self._parts.clear()
         for client in list(self._clients.values()):
-            if client.format is not None and not client.pending:
+            if client.coding is not None and not client.pending:
                 self._flush(client)
 
     def serve(self, timeout_s: float = 0.0) -> None:
@@ -127,7 +121,7 @@ class CameraStream:
         client.request += data
         if is_complete(client.request):
             client.answered = True
-            head, client.format = answer(client.request)
+            head, client.coding = answer(client.request)
             self._count_viewers()
             client.pending = memoryview(head)
             self._flush(client)
@@ -152,19 +146,19 @@ class CameraStream:
                 self._drop(client)
                 return
             client.pending = client.pending[sent:]
-        if client.format is None:
+        if client.coding is None:
             self._drop(client)
         else:
             self._selector.modify(client.connection, selectors.EVENT_READ, client)
 
     def _next_part(self, client: _Client) -> bytes:
-        image, image_format = self._latest, client.format
-        if image is None or image_format is None or image.sequence <= client.sequence:
+        image, coding = self._latest, client.coding
+        if image is None or coding is None or image.sequence <= client.sequence:
             return b""
         client.sequence = image.sequence
-        if image_format.suffix not in self._parts:
-            self._parts[image_format.suffix] = part(image, image_format)
-        return self._parts[image_format.suffix]
+        if coding.suffix not in self._parts:
+            self._parts[coding.suffix] = part(image, coding)
+        return self._parts[coding.suffix]
 
     def _drop(self, client: _Client) -> None:
         del self._clients[client.connection]
@@ -173,7 +167,7 @@ class CameraStream:
         self._count_viewers()
 
     def _count_viewers(self) -> None:
-        self.has_viewers = any(client.format is not None for client in self._clients.values())
+        self.has_viewers = any(client.coding is not None for client in self._clients.values())
 
 
 def _listen(port: int) -> socket.socket:

@@ -28,7 +28,7 @@ image-rendering:pixelated}</style></head>
 
 
 @dataclass(frozen=True, slots=True)
-class ImageFormat:
+class Coding:
     """How the images of a stream are coded."""
 
     suffix: str
@@ -42,9 +42,9 @@ class ImageFormat:
         return bytes(data)
 
 
-PNG = ImageFormat(".png", b"image/png", PNG_OPTIONS)  # lossless: what a companion takes
-JPEG = ImageFormat(".jpg", b"image/jpeg", JPEG_OPTIONS)  # what OpenCV and ffmpeg open
-STREAMS: Mapping[str, ImageFormat] = {"/stream": PNG, "/stream.mjpg": JPEG}
+PNG = Coding(".png", b"image/png", PNG_OPTIONS)  # lossless: what a companion takes
+JPEG = Coding(".jpg", b"image/jpeg", JPEG_OPTIONS)  # what OpenCV and ffmpeg open
+STREAMS: Mapping[str, Coding] = {"/stream": PNG, "/stream.mjpg": JPEG}
 STREAM_HEAD = (
     b"HTTP/1.1 200 OK\r\nConnection: close\r\nCache-Control: no-store\r\n"
     b"Content-Type: multipart/x-mixed-replace; boundary=" + BOUNDARY + b"\r\n\r\n"
@@ -57,8 +57,8 @@ def is_complete(request: bytes) -> bool:
     return b"\r\n\r\n" in request or b"\n\n" in request
 
 
-def answer(request: bytes) -> tuple[bytes, ImageFormat | None]:
-    """Answer a request's head; with a format, images follow, without, the answer is all."""
+def answer(request: bytes) -> tuple[bytes, Coding | None]:
+    """Answer a request's head; with a coding, images follow, without, the answer is all."""
     method, _, rest = request.split(b"\n", 1)[0].strip().partition(b" ")
     path = rest.split(b" ", 1)[0].split(b"?", 1)[0].decode("latin-1")
     if method != b"GET":
@@ -70,9 +70,9 @@ def answer(request: bytes) -> tuple[bytes, ImageFormat | None]:
     return _page(b"404 Not Found", b"there are /, /stream and /stream.mjpg\n"), None
 
 
-def part(image: Image, image_format: ImageFormat) -> bytes:
+def part(image: Image, coding: Coding) -> bytes:
     """Wrap one image; the boundary follows it, so that browsers show it at once."""
-    data = image_format.encode(image.rgb)
+    data = coding.encode(image.rgb)
     seconds, microseconds = divmod(image.time_us, 1_000_000)
     head = (
         f"Content-Length: {len(data)}\r\n"
@@ -82,7 +82,7 @@ def part(image: Image, image_format: ImageFormat) -> bytes:
     return b"".join(
         (
             b"Content-Type: ",
-            image_format.content_type,
+            coding.content_type,
             b"\r\n",
             head.encode(),
             data,
