@@ -8,7 +8,7 @@ from pathlib import Path
 import sitl
 from tests.paths import ROOT
 
-# It times parts by name, and those of other commits with their own copy.
+# It times the parts by name.
 INSIDERS = {ROOT / "scripts" / "bench" / "profiled.py"}
 REPORT_LOADED = """
 import sys
