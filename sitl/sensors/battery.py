@@ -13,8 +13,8 @@ class Pack(NamedTuple):
     """What the parameters say about the battery."""
 
     cells: int  # BAT1_N_CELLS
-    full_v: float  # BAT1_V_CHARGED, a cell
-    empty_v: float  # BAT1_V_EMPTY, a cell
+    full_v: float  # BAT1_V_CHARGED, per cell
+    empty_v: float  # BAT1_V_EMPTY, per cell
     drain_s: float  # SIM_BAT_DRAIN, full to empty
     min_charge: float  # SIM_BAT_MIN_PCT, 0..1
 

@@ -1,4 +1,4 @@
-"""Ground and sky behind the gates, one ray a pixel: cheaper and finer than textured polygons.
+"""Ground and sky behind the gates, one ray per pixel: cheaper and finer than textured polygons.
 
 pybullet's software renderer spends most of its time on a ground that fills half the image; one
 vectorised look-up in a tileable texture gives the same ground, with haze, in a tenth of a

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 GROUND_TEXTURES = 24  # distinct seeded textures to draw from
-TEXTURE_SIZE = 256  # texels a side; textures tile
+TEXTURE_SIZE = 256  # texels per side; textures tile
 MIN_CONTRAST = 0.02  # that an eye still sees: it defines the visibility
 
 Colour = tuple[float, float, float]  # linear RGB, 0..1

@@ -20,7 +20,7 @@ TICK_S = TICK_US / SECOND_US
 
 
 class Process(NamedTuple):
-    """A first-order Gauss-Markov process, a tick a step."""
+    """A first-order Gauss-Markov process, one step per tick."""
 
     std: float
     time_constant_s: float

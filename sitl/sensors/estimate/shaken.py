@@ -21,9 +21,9 @@ ZERO: Vector3 = (0.0, 0.0, 0.0)
 
 
 class Pull(NamedTuple):
-    """What a second of aiding takes off an error, for each unit of the velocity's and position's.
+    """What aiding takes off an error per second, for each unit of the velocity's and position's.
 
-    That is the filter's gain, a minute after it began, times the measurements a second. Source:
+    That is the filter's gain, a minute after it began, times the measurements per second. Source:
     PX4's defaults EKF2_ACC_NOISE 0.35, EKF2_GYR_NOISE 0.015, EKF2_ACC_B_NOISE 0.003,
     EKF2_GYR_B_NOISE 0.001, EKF2_BARO_NOISE 3.5 (at 20 Hz), a filter step of 10 ms, and the accuracy
     that its simulated receiver tells at 8 Hz: 0.4 m/s (vertically taken 1.5 fold), 0.9 m, 1.78 m.

@@ -32,7 +32,7 @@ class MissionServer:
         self._broadcast = broadcast
         self._say = say
         self._upload: Upload | None = None
-        self._downloads: dict[Outlet, Download] = {}  # one a link
+        self._downloads: dict[Outlet, Download] = {}  # one per link
         self._told = self._missions.progress
         self.handlers: Mapping[int, Callable[[Message, Request], None]] = {
             mavlink.MAVLINK_MSG_ID_MISSION_COUNT: self.count,
