@@ -89,13 +89,13 @@ def _steer(simulation: Simulation, command: NDArray[np.float64]) -> None:
     )
 
 
-def _within(least: float, most: float) -> Callable[[str], float]:
+def _within(low: float, high: float) -> Callable[[str], float]:
     """Make what reads a number from the command line."""
 
     def read(text: str) -> float:
         value = float(text)
-        if not least <= value <= most:
-            raise argparse.ArgumentTypeError(f"{text}: expected {least:g} to {most:g}")
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text}: expected {low:g} to {high:g}")
         return value
 
     return read

@@ -12,11 +12,11 @@ import numpy as np
 
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters
-from sitl.clock import TICK_US
+from sitl.clock import TICK_S, TICK_US
 from sitl.flight_controller import FlightController
-from sitl.frames import quaternion_from_euler
+from sitl.frames import HOME, quaternion_from_euler
 from sitl.records.conditions import Conditions, Wind
-from sitl.records.course import CourseEvent, CourseStatus
+from sitl.records.course import CourseEvent, CourseStatus, Direction
 from sitl.records.failures import SENSORS, Failure, FailureType, FailureUnit
 from sitl.records.images import Image, ImageStamp
 from sitl.records.motion import Vector3, VehicleState
@@ -32,12 +32,10 @@ from sitl.sensors.noise import normals
 from sitl.sensors.suite import Sensors
 from sitl.world.airframe import Airframe, load_airframe
 from sitl.world.referee import Referee
-from sitl.world.track import Direction, Track, make_track, with_decoys
+from sitl.world.track import Track, make_track, with_decoys
 from sitl.world.wind import blow
 from sitl.world.world import World
 
-TICK_S = TICK_US / 1e6
-HOME = (47.397742, 8.545594, 489.4)  # deg, deg, m AMSL; PX4's default
 # These separate the uses of the vehicle's seed from each other.
 LOOK_STREAM, SENSOR_STREAM, ESTIMATE_STREAM, BREAKAGE_STREAM = 0x100C, 0x5E45, 0xE571, 0xB4EA
 WIND_STREAM, SPOILER_STREAM = 0xA114, 0x5B01

@@ -125,7 +125,7 @@ class Server:
             else:
                 self._run_lockstep(self._lockstep)
             self._flush()
-        self._let_go()
+        self._send_gathered()
         self._refusals.report_all()
         self._selector.close()
 
@@ -149,7 +149,7 @@ class Server:
             return
         wait_s = pace.wait_s(self._simulation.time_us + TICK_US)
         if wait_s > 0.0:
-            self._let_go()
+            self._send_gathered()
             self._stream.serve(min(wait_s, MAX_WAIT_S))
         elif pace.is_unlimited:
             self._run_to_image()
@@ -174,7 +174,7 @@ class Server:
 
     def _receive(self, timeout_s: float) -> None:
         """Wait for something to come in, and handle it; an answered image ends it in lockstep."""
-        self._let_go()
+        self._send_gathered()
         for key, _ in self._selector.select(timeout_s):
             if key.fileobj is self._stream:
                 self._stream.serve()
@@ -209,7 +209,7 @@ class Server:
         if not self._simulation.image_due():
             return False
         self._endpoint.publish_trigger(self._simulation.image_stamp)
-        self._let_go()
+        self._send_gathered()
         image = self._simulation.render()
         self._image_us = self._simulation.time_us
         self._heartbeat_s = self._clock()
@@ -220,7 +220,7 @@ class Server:
             self._video.publish(image)
         return True
 
-    def _let_go(self) -> None:
+    def _send_gathered(self) -> None:
         """Send what the links have gathered since the last wait."""
         for link in self._links:
             link.flush()

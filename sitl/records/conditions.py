@@ -23,7 +23,7 @@ LIMITS: Mapping[str, Limits] = {
     "gust_time_constant_s": (0.1, 60.0),
     "fog_visibility_m": (1.0, math.inf),
     "daylight_share": (0.0, 1.0),
-    "latency_s": (0.0, 0.4),  # a companion takes frames older than 0.5 s for lost
+    "latency_s": (0.0, 0.4),  # a companion takes images older than 0.5 s for lost
     "blur_std_px": (0.0, 16.0),
     "noise_std_levels": (0.0, 128.0),
     "frozen_frame_share": (0.0, 1.0),
@@ -56,11 +56,11 @@ class CameraFaults:
     latency_s: float = 0.0  # from the shutter to the stream; the stamp is the shutter's
     blur_std_px: float = 0.0
     noise_std_levels: float = 0.0  # of 255, each pixel and colour alone
-    frozen_frame_share: float = 0.0  # of the frames, which show the picture before once more
+    frozen_frame_share: float = 0.0  # of the images, which show the picture before once more
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CourseTricks:
+class CourseDecoys:
     """What stands on the course beside its gates."""
 
     decoy_inwards_m: float = 0.0  # a second gate beside each, that far; negative: outwards; 0: none
@@ -80,7 +80,7 @@ class Conditions:
     wind: Wind = Wind()
     light: Light = Light()
     camera: CameraFaults = CameraFaults()
-    course: CourseTricks = CourseTricks()
+    course: CourseDecoys = CourseDecoys()
     estimate: EstimateErrors = EstimateErrors()
 
     def __post_init__(self) -> None:

@@ -142,5 +142,5 @@ class Sensors:
         if not faults:
             return HEALTHY
         return SensorHealth(
-            *(unit not in faults or not faults[unit].is_seen(time_us) for unit in UNITS)
+            *(unit not in faults or not faults[unit].is_detected(time_us) for unit in UNITS)
         )

@@ -9,10 +9,10 @@ import selectors
 import socket
 
 from sitl.errors import LinkError
+from sitl.process.options.values import LOOPBACK
 from sitl.process.streams.http_stream import MAX_REQUEST_BYTES, Coding, answer, is_complete, part
 from sitl.records.images import Image
 
-LOOPBACK = "127.0.0.1"
 MAX_CLIENTS = 16
 RECEIVE_BYTES = 4096
 

@@ -6,9 +6,9 @@ camera gives each image out some time after, with the stamp of the moment at whi
 
 import numpy as np
 
-from sitl.clock import Schedule
+from sitl.clock import SECOND_US, Schedule
 from sitl.records.conditions import CameraFaults
-from sitl.records.failures import FailureType
+from sitl.records.failures import DELAY_US, FailureType
 from sitl.records.images import Image, ImageStamp
 from sitl.records.motion import VehicleState
 from sitl.sensors.camera.camera import Camera
@@ -16,7 +16,6 @@ from sitl.sensors.camera.failure import CameraFailure
 from sitl.sensors.camera.shutter import Delay, Spoiler
 
 CAMERA_RATE_HZ = 20
-LATE_S = 0.5  # by how much a camera is late that an injected failure delays
 
 
 class CameraFeed:
@@ -47,7 +46,8 @@ class CameraFeed:
     def fail(self, kind: FailureType, time_us: int) -> None:
         """Fail from now on, or be well again; what is under way comes out if the delay stays."""
         self._failure.begin(kind, time_us)
-        latency_s = self._faults.latency_s + (LATE_S if kind is FailureType.DELAYED else 0.0)
+        delay_s = DELAY_US / SECOND_US if kind is FailureType.DELAYED else 0.0
+        latency_s = self._faults.latency_s + delay_s
         if latency_s != self._latency_s:
             self._latency_s = latency_s
             self._delay = Delay(latency_s) if latency_s > 0.0 else None

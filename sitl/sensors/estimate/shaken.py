@@ -13,9 +13,10 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from sitl.clock import TICK_S
 from sitl.frames import GRAVITY_M_S2
 from sitl.records.motion import Vector3
-from sitl.sensors.estimate.drift import TICK_S, Drift
+from sitl.sensors.estimate.drift import Drift
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
 
