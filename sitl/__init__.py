@@ -32,8 +32,8 @@ if TYPE_CHECKING:
         Wind,
         parse_conditions,
     )
-    from sitl.records.course import CourseEvent, CourseState, CourseStatus, Gate
-    from sitl.records.gate import GATE_INNER_M, GATE_OUTER_M
+    from sitl.records.course import CourseState, Gate
+    from sitl.records.gate import GATE_OUTER_M
     from sitl.records.images import Image
     from sitl.records.motion import Quaternion, Vector3, VehicleState
     from sitl.records.sensing import Estimate, Readings
@@ -73,7 +73,6 @@ __all__ = [
     "CAMERA_RATE_HZ",
     "GATES_PER_LAP",
     "GATE_HEIGHT_M",
-    "GATE_INNER_M",
     "GATE_OUTER_M",
     "GROUND_TEXTURES",
     "MAX_HEIGHT_NOISE_M",
@@ -83,9 +82,7 @@ __all__ = [
     "Colour",
     "Conditions",
     "CourseDecoys",
-    "CourseEvent",
     "CourseState",
-    "CourseStatus",
     "Estimate",
     "EstimateErrors",
     "Gate",

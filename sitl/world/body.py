@@ -28,7 +28,7 @@ FRICTION = 0.8  # assumption: rubber feet on a hard floor
 VISUAL_RGBA = (0.15, 0.15, 0.17, 1.0)
 
 
-class Motion(NamedTuple):
+class BodyMotion(NamedTuple):
     """Where the body is and how it moves, as the physics engine has it."""
 
     position_ned: Vector3  # m
@@ -62,7 +62,7 @@ class QuadrotorBody:
         self._omega = [0.0] * ROTORS  # rad/s
         self._step_s = 0.0  # how long the last step was; 0: there was none
         self._previous_velocity_ned: Vector3 = ORIGIN
-        self._motion: Motion | None = None  # none: a step has changed it
+        self._motion: BodyMotion | None = None  # none: a step has changed it
         self.body_id = self._create(visual=visual)
         self.reset(
             position_ned=position_ned,
@@ -128,14 +128,14 @@ class QuadrotorBody:
         a, b, c, d = self._omega
         return (a, b, c, d)
 
-    def _read(self) -> Motion:
+    def _read(self) -> BodyMotion:
         """Ask the physics engine; kept until the next step."""
         body, client = self.body_id, self._client
         position, orientation = pybullet.getBasePositionAndOrientation(body, client)
         velocity, rates = pybullet.getBaseVelocity(body, client)
         q_ned_frd = from_bullet_quaternion(orientation)
         rates_frd = rotate_inverse(q_ned_frd, flip(rates))
-        self._motion = motion = Motion(flip(position), flip(velocity), q_ned_frd, rates_frd)
+        self._motion = motion = BodyMotion(flip(position), flip(velocity), q_ned_frd, rates_frd)
         return motion
 
     def _spin(self, motors: MotorThrusts, dt_s: float) -> list[float]:
@@ -150,7 +150,7 @@ class QuadrotorBody:
             omega[index] += error * (self._lag_up if error > 0.0 else self._lag_down)
         return omega
 
-    def _forces(self, motion: Motion, omega: list[float]) -> tuple[Vector3, Vector3]:
+    def _forces(self, motion: BodyMotion, omega: list[float]) -> tuple[Vector3, Vector3]:
         """Sum thrust, reaction moment and drag over the rotors, about the centre of mass, FRD."""
         wind = self.wind_ned
         _, (vx, vy, vz), q_ned_frd, (p, q, yaw_rate) = motion
