@@ -8,7 +8,6 @@ k_M thrust, and an in-plane drag proportional to omega and to the air speed of i
 """
 
 import math
-from typing import NamedTuple
 
 import pybullet
 
@@ -27,14 +26,8 @@ ORIGIN = (0.0, 0.0, 0.0)
 FRICTION = 0.8  # assumption: rubber feet on a hard floor
 VISUAL_RGBA = (0.15, 0.15, 0.17, 1.0)
 
-
-class BodyMotion(NamedTuple):
-    """Where the body is and how it moves, as the physics engine has it."""
-
-    position_ned: Vector3  # m
-    velocity_ned: Vector3  # m/s
-    q_ned_frd: Quaternion
-    rates_frd: Vector3  # rad/s
+# Position (m) and velocity (m/s) NED, q_ned_frd, rates (rad/s) FRD; a plain tuple, made every tick.
+BodyMotion = tuple[Vector3, Vector3, Quaternion, Vector3]
 
 
 class QuadrotorBody:
@@ -89,7 +82,7 @@ class QuadrotorBody:
             self.body_id, flip(velocity_ned), ORIGIN, physicsClientId=self._client
         )
         self._omega = [self._max_speed * math.sqrt(thrust)] * ROTORS
-        self._previous_velocity_ned = self._read().velocity_ned
+        self._previous_velocity_ned = self._read()[1]
         self._step_s = 0.0
 
     def apply(self, motors: MotorThrusts, dt_s: float) -> None:
@@ -99,7 +92,7 @@ class QuadrotorBody:
         body, client, link = self.body_id, self._client, pybullet.LINK_FRAME  # no keywords: faster
         pybullet.applyExternalForce(body, -1, flip(force_frd), ORIGIN, link, client)
         pybullet.applyExternalTorque(body, -1, flip(torque_frd), link, client)
-        self._previous_velocity_ned = motion.velocity_ned
+        self._previous_velocity_ned = motion[1]
         self._step_s = dt_s
         self._motion = None
 
@@ -135,7 +128,7 @@ class QuadrotorBody:
         velocity, rates = pybullet.getBaseVelocity(body, client)
         q_ned_frd = from_bullet_quaternion(orientation)
         rates_frd = rotate_inverse(q_ned_frd, flip(rates))
-        self._motion = motion = BodyMotion(flip(position), flip(velocity), q_ned_frd, rates_frd)
+        self._motion = motion = (flip(position), flip(velocity), q_ned_frd, rates_frd)
         return motion
 
     def _spin(self, motors: MotorThrusts, dt_s: float) -> list[float]:
