@@ -19,12 +19,16 @@ from numpy.typing import NDArray
 
 from flightstack.errors import FlightstackError
 from flightstack.logs import Log, read
-from sitl.errors import SitlError
-from sitl.process.quiet import quiet_outputs
-from sitl.records.course import Gate
-from sitl.records.gate import OUTER_M
-from sitl.sensors.camera.look import draw_look
-from sitl.world.track import Track, make_track
+from sitl import (
+    GATE_OUTER_M,
+    Camera,
+    Gate,
+    SimulationConfig,
+    SitlError,
+    Track,
+    look_of_day,
+    make_track,
+)
 
 FRAMES = 8  # images in the strip
 BEFORE_GATE_S = 0.9  # what the camera sees this long before a gate is passed
@@ -105,8 +109,8 @@ def draw_course(axes: Axes, path: Path3, track: Track) -> None:
 def draw_gate(axes: Axes, gate: Gate, track: Track) -> None:
     """Draw one gate as the bar it is from above, with its number outside the circle."""
     north, east, down = gate.centre_ned
-    across = np.array([np.cos(gate.yaw_rad), -np.sin(gate.yaw_rad)]) * OUTER_M / 2  # east, north
-    ends = np.array([east, north]) + np.outer([-1.0, 1.0], across)
+    right = np.array([np.cos(gate.yaw_rad), -np.sin(gate.yaw_rad)])  # east, north
+    ends = np.array([east, north]) + np.outer([-1.0, 1.0], right * GATE_OUTER_M / 2)
     axes.plot(ends[:, 0], ends[:, 1], color=GATE, linewidth=4, solid_capstyle="butt")
     outward = np.array([east - track.centre_ned[1], north - track.centre_ned[0]])
     label = np.array([east, north]) + 1.7 * outward / np.linalg.norm(outward)
@@ -118,10 +122,7 @@ def draw_gate(axes: Axes, gate: Gate, track: Track) -> None:
 
 def draw_strip(figure: Figure, path: Path3, track: Track, seed: int) -> None:
     """Render what the camera saw shortly before each gate of the first lap."""
-    with quiet_outputs():  # the renderer greets on standard output
-        from sitl.sensors.camera.camera import Camera  # noqa: PLC0415
-        from sitl.simulation import LOOK_STREAM  # noqa: PLC0415
-    camera = Camera(track.gates, draw_look(np.random.default_rng([seed, LOOK_STREAM])))
+    camera = Camera(track.gates, look_of_day(SimulationConfig(seed=seed)))
     strip = figure.add_gridspec(
         1, FRAMES, left=0.02, right=0.98, bottom=0.02, top=0.155, wspace=0.06
     )

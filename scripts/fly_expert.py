@@ -22,15 +22,20 @@ from numpy.typing import NDArray
 from flightstack.frames import body_from_ned, ned_from_body
 from flightstack.training.data.expert import ExpertConfig, FunnelExpert
 from flightstack.training.seeds import VALIDATION_TRACKS
-from sitl.errors import SitlError
-from sitl.frames import yaw_of
-from sitl.process.options.values import noise
-from sitl.records.conditions import Conditions, EstimateErrors
-from sitl.records.course import CourseState, Gate
-from sitl.records.motion import VehicleState
-from sitl.records.vehicle import OffboardSetpoint
-from sitl.simulation import Simulation, SimulationConfig
-from sitl.world.track import GATE_HEIGHT_M, GATES_PER_LAP
+from sitl import (
+    GATE_HEIGHT_M,
+    GATES_PER_LAP,
+    Conditions,
+    CourseState,
+    EstimateErrors,
+    Gate,
+    OffboardSetpoint,
+    Simulation,
+    SimulationConfig,
+    SitlError,
+    VehicleState,
+    yaw_of,
+)
 
 LONGEST_S = 200.0  # of a flight: four laps at 1 m/s
 
@@ -63,7 +68,7 @@ def fly(config: SimulationConfig, expert: BlindExpert) -> int:
         while simulation.course.state is CourseState.ACTIVE:
             if simulation.time_us > LONGEST_S * 1e6:
                 break
-            if simulation.frame_due():
+            if simulation.image_due():
                 due = simulation.course.gates_passed
                 gate, following = gates[due % len(gates)], gates[(due + 1) % len(gates)]
                 _steer(simulation, expert.command(simulation.state, gate, following))
@@ -84,23 +89,29 @@ def _steer(simulation: Simulation, command: NDArray[np.float64]) -> None:
     )
 
 
-def _within(least: float, most: float) -> Callable[[str], float]:
+def _within(low: float, high: float) -> Callable[[str], float]:
     """Make what reads a number from the command line."""
 
     def read(text: str) -> float:
         value = float(text)
-        if not least <= value <= most:
-            raise argparse.ArgumentTypeError(f"{text}: expected {least:g} to {most:g}")
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text}: expected {low:g} to {high:g}")
         return value
 
     return read
+
+
+def _noise(text: str) -> tuple[float, float]:
+    """Read GRN,GHN in m; the course says what may be."""
+    radius_m, height_m = (float(figure) for figure in text.split(","))
+    return radius_m, height_m
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     add, usual, share = parser.add_argument, ExpertConfig(), _within(0.0, 1.0)
     add("--tracks", type=int, choices=range(1, 1001), default=10, metavar="N")
-    add("--noise", type=noise, default=(1.5, 3.0), metavar="GRN,GHN", help="of the gates, m")
+    add("--noise", type=_noise, default=(1.5, 3.0), metavar="GRN,GHN", help="of the gates, m")
     add("--laps", type=int, choices=range(1, 101), default=4, metavar="N")
     add("--rotor-noise", type=share, default=0.0, metavar="SHARE", help="1: as in PX4's simulator")
     add("--speed", type=_within(0.1, 5.0), default=usual.speed_m_s, metavar="M/S")

@@ -11,6 +11,7 @@ from sitl.records.motion import Quaternion, Vector3
 
 EARTH_RADIUS_M = 6371000.0  # PX4 src/lib/geo CONSTANTS_RADIUS_OF_EARTH
 GRAVITY_M_S2 = 9.80665  # PX4 CONSTANTS_ONE_G
+HOME: Vector3 = (47.397742, 8.545594, 489.4)  # deg, deg, m AMSL of the local origin; PX4's default
 
 
 def flip(vector: Vector3) -> Vector3:

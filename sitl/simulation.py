@@ -5,37 +5,37 @@ the referee judges the movement, the estimator senses it. Images are taken only 
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters
-from sitl.clock import TICK_US, Schedule
-from sitl.frames import quaternion_from_euler
-from sitl.records.conditions import Conditions
-from sitl.records.course import CourseEvent, CourseStatus
+from sitl.clock import TICK_S, TICK_US
+from sitl.flight_controller import FlightController
+from sitl.frames import HOME, quaternion_from_euler
+from sitl.records.conditions import Conditions, Wind
+from sitl.records.course import CourseEvent, CourseStatus, Direction
 from sitl.records.failures import SENSORS, Failure, FailureType, FailureUnit
-from sitl.records.images import Frame, FrameStamp
+from sitl.records.images import Image, ImageStamp
 from sitl.records.motion import Vector3, VehicleState
 from sitl.records.sensing import Estimate, Readings
 from sitl.sensors.battery import Pack
 from sitl.sensors.breakage import Breakage
 from sitl.sensors.camera.camera import Camera
+from sitl.sensors.camera.feed import CameraFeed
 from sitl.sensors.camera.look import Look, at_dusk, draw_look, in_fog
-from sitl.sensors.camera.shutter import Delay, Spoiler
 from sitl.sensors.estimate.estimator import SETTLED_S, Estimator, PerfectEstimator
+from sitl.sensors.imu import Imu
 from sitl.sensors.noise import normals
 from sitl.sensors.suite import Sensors
-from sitl.world.airframe import load_airframe
+from sitl.world.airframe import Airframe, load_airframe
 from sitl.world.referee import Referee
-from sitl.world.track import Direction, Track, make_track, with_decoys
+from sitl.world.track import Track, make_track, with_decoys
 from sitl.world.wind import blow
 from sitl.world.world import World
 
-CAMERA_RATE_HZ = 20
-LATE_S = 0.5  # by how much a camera is late that an injected failure delays
-HOME = (47.397742, 8.545594, 489.4)  # deg, deg, m AMSL; PX4's default
 # These separate the uses of the vehicle's seed from each other.
 LOOK_STREAM, SENSOR_STREAM, ESTIMATE_STREAM, BREAKAGE_STREAM = 0x100C, 0x5E45, 0xE571, 0xB4EA
 WIND_STREAM, SPOILER_STREAM = 0xA114, 0x5B01
@@ -71,35 +71,32 @@ class Simulation:
 
         """
         self.config = config
+        self.time_us = 0
         self.track = _lay_out(config)
         airframe = load_airframe(config.airframe)
+        self._hover_thrust = airframe.hover_thrust
         self.parameters = Parameters(airframe.parameters)
-        self.autopilot = Autopilot(
-            self.parameters,
-            rotor_positions_frd_m=airframe.rotor_positions_frd_m,
-            rotor_yaw_moments_m=airframe.rotor_yaw_moments_m,
-            hover_thrust=airframe.hover_thrust,
-            home=config.home,
-        )
+        self.autopilot: FlightController = _make_autopilot(self.parameters, airframe, config)
+        breakage_rng = _chance(config, BREAKAGE_STREAM)
+        self._breakage = Breakage(breakage_rng)
+        self._wind = _make_wind(config)
         standing = self.track.gates + self.track.decoys
-        self._world = World(standing, airframe, tick_s=TICK_US / 1e6, gui=config.gui)
+        self._world = World(standing, airframe, tick_s=TICK_S, gui=config.gui)
         first = config.first_gate
         self.course_gates = self.track.gates[first:] + self.track.gates[:first]
         self._referee = Referee(self.course_gates, config.laps)
-        self._sensors = Sensors([config.seed, SENSOR_STREAM], altitude_m=config.home[2])
-        self._estimator = self._make_estimator()
-        self._breakage = Breakage(np.random.default_rng([config.seed, BREAKAGE_STREAM]))
-        self._camera = Camera(standing, _draw_look(config))
-        self._delay: Delay | None = None
-        self._latency_s = 0.0
-        self._take_conditions()
-        self._frames = Schedule(CAMERA_RATE_HZ)
-        self._sequence = 0
         self._events: list[CourseEvent] = []
-        self._hover_thrust = airframe.hover_thrust
-        self.time_us = 0
+        self._sensors = Sensors([config.seed, SENSOR_STREAM], altitude_m=config.home[2])
+        self._parameter_values = self.parameters.values
+        self._pack = Pack.resolve(self._parameter_values)
+        self._estimator = _make_estimator(config, self._sensors.imu)
+        self._camera = CameraFeed(
+            Camera(standing, look_of_day(config)),
+            config.conditions.camera,
+            fault_rng=_chance(config, SPOILER_STREAM),
+            failure_rng=breakage_rng,
+        )
         self.state: VehicleState = self._world.body.state(0)
-        self._load()
         self.readings: Readings = self._sensors.update(self.state, self._pack)
         self.estimate: Estimate = self._estimator.update(self.state, self.readings)
 
@@ -123,6 +120,28 @@ class Simulation:
         )
         self._sense()
 
+    def _sense(self) -> None:
+        if self.parameters.values is not self._parameter_values:
+            self._parameter_values = self.parameters.values
+            self._pack = Pack.resolve(self._parameter_values)
+        armed = self.autopilot.armed
+        self._sensors.battery.advance(TICK_US, self._pack, armed=armed)
+        self.readings = self._sensors.update(self.state, self._pack, shaken=armed)
+        self.estimate = self._estimator.update(self.state, self.readings)
+
+    def image_due(self) -> bool:
+        """Whether the camera gives an image out at this tick; true once for each."""
+        return self._camera.is_due(self.state)
+
+    @property
+    def image_stamp(self) -> ImageStamp:
+        """Time and number of the image that `render` gives."""
+        return self._camera.stamp(self.time_us)
+
+    def render(self) -> Image:
+        """Give the image out that is due: one of this moment, unless the camera is late."""
+        return self._camera.give(self.state)
+
     @property
     def course(self) -> CourseStatus:
         """The score so far."""
@@ -133,15 +152,6 @@ class Simulation:
         events, self._events = self._events, []
         return events
 
-    def frame_due(self) -> bool:
-        """Whether the camera gives an image out at this tick; true once for each."""
-        is_taken = self._frames.due(self.time_us) and self._breakage.takes_image(self.time_us)
-        if self._delay is None:
-            return is_taken
-        if is_taken:
-            self._delay.put(self._take_image())
-        return self._delay.is_due(self.time_us)
-
     @property
     def is_silent(self) -> bool:
         """Whether a failure keeps the vehicle from sending and hearing anything."""
@@ -151,25 +161,6 @@ class Simulation:
     def signal_fault(self) -> FailureType:
         """What a failure does to the signal."""
         return self._breakage.signal_fault
-
-    @property
-    def frame_stamp(self) -> FrameStamp:
-        """Time and number of the image that `render` gives."""
-        if self._delay is None:
-            return FrameStamp(self.time_us, self._sequence)
-        return self._delay.first_stamp
-
-    def render(self) -> Frame:
-        """Give the image out that is due: one of this moment, unless the camera is late."""
-        return self._take_image() if self._delay is None else self._delay.take()
-
-    def _take_image(self) -> Frame:
-        rgb = self._camera.render(self.state.position_ned, self.state.q_ned_frd)
-        if self._spoiler is not None:
-            rgb = self._spoiler.spoil(rgb)
-        frame = Frame(time_us=self.time_us, sequence=self._sequence, rgb=rgb)
-        self._sequence += 1
-        return self._breakage.picture(frame)
 
     def start_airborne(self, position_ned: Vector3, yaw_rad: float, speed_m_s: float = 0.0) -> None:
         """Put the vehicle into the air: armed, in OFFBOARD, flying straight ahead."""
@@ -188,62 +179,19 @@ class Simulation:
     def _fail(self, failure: Failure) -> None:
         if failure.unit in SENSORS or failure.unit is FailureUnit.BATTERY:
             self._sensors.fail(failure.unit, failure.type, self.time_us)
+        elif failure.unit is FailureUnit.CAMERA:
+            self._camera.fail(failure.type, self.time_us)
         else:
             self._breakage.fail(failure, self.time_us)
-        if failure.unit is FailureUnit.CAMERA:
-            self._delay = self._make_delay(is_late=failure.type is FailureType.DELAYED)
 
-    def _make_delay(self, *, is_late: bool) -> Delay | None:
-        """Give what delays the camera's images; what is under way stays so."""
-        latency_s = self.config.conditions.camera.latency_s + (LATE_S if is_late else 0.0)
-        if latency_s == self._latency_s:
-            return self._delay
-        self._latency_s = latency_s
-        return Delay(latency_s) if latency_s > 0.0 else None
 
-    def _sense(self) -> None:
-        if self.parameters.version != self._parameters_version:
-            self._load()
-        self._sensors.battery.advance(TICK_US, self._pack, armed=self.autopilot.armed)
-        self.readings = self._sensors.update(self.state, self._pack, shaken=self.autopilot.armed)
-        self.estimate = self._estimator.update(self.state, self.readings)
-
-    def _load(self) -> None:
-        """Take changed parameters in."""
-        p = self.parameters
-        self._parameters_version = p.version
-        self._pack = Pack(
-            int(p["BAT1_N_CELLS"]),
-            p["BAT1_V_CHARGED"],
-            p["BAT1_V_EMPTY"],
-            p["SIM_BAT_DRAIN"],
-            p["SIM_BAT_MIN_PCT"] / 100.0,
-        )
-
-    def _take_conditions(self) -> None:
-        """Set up wind and camera faults; None where the conditions ask for nothing."""
-        conditions, seed = self.config.conditions, self.config.seed
-        self._wind = self._spoiler = None
-        if conditions.wind != CLEAR_DAY.wind:
-            noise = normals(np.random.default_rng([seed, WIND_STREAM]))
-            self._wind = blow(conditions.wind, noise, TICK_US / 1e6)
-        if conditions.camera != CLEAR_DAY.camera:
-            rng = np.random.default_rng([seed, SPOILER_STREAM])
-            self._spoiler = Spoiler(conditions.camera, rng)
-        self._delay = self._make_delay(is_late=False)
-
-    def _make_estimator(self) -> Estimator | PerfectEstimator:
-        if self.config.perfect_estimate:
-            return PerfectEstimator(settled_s=self.config.settled_s)
-        imu = self._sensors.imu
-        rng = np.random.default_rng([self.config.seed, ESTIMATE_STREAM])
-        return Estimator(
-            rng,
-            imu.gyro_bias_frd,
-            imu.accelerometer_bias_frd,
-            rotor_noise_share=self.config.conditions.estimate.rotor_noise_share,
-            settled_s=self.config.settled_s,
-        )
+def look_of_day(config: SimulationConfig) -> Look:
+    """Draw what the world looks like on the day of a flight."""
+    light = config.conditions.light
+    look = draw_look(_chance(config, LOOK_STREAM))
+    if light.daylight_share < 1.0:
+        look = at_dusk(look, light.daylight_share)
+    return in_fog(look, light.fog_visibility_m)
 
 
 def _lay_out(config: SimulationConfig) -> Track:
@@ -258,9 +206,36 @@ def _lay_out(config: SimulationConfig) -> Track:
     return track if inwards_m == 0.0 else with_decoys(track, inwards_m)
 
 
-def _draw_look(config: SimulationConfig) -> Look:
-    light = config.conditions.light
-    look = draw_look(np.random.default_rng([config.seed, LOOK_STREAM]))
-    if light.daylight_share < 1.0:
-        look = at_dusk(look, light.daylight_share)
-    return in_fog(look, light.fog_visibility_m)
+def _make_autopilot(
+    parameters: Parameters, airframe: Airframe, config: SimulationConfig
+) -> FlightController:
+    return Autopilot(
+        parameters,
+        rotor_positions_frd_m=airframe.rotors.positions_frd_m,
+        rotor_yaw_moments_m=airframe.rotors.yaw_moments_m,
+        hover_thrust=airframe.hover_thrust,
+        home=config.home,
+    )
+
+
+def _make_wind(config: SimulationConfig) -> Iterator[Vector3] | None:
+    """Let the wind blow; None where the air stands still."""
+    if config.conditions.wind == Wind():
+        return None
+    return blow(config.conditions.wind, normals(_chance(config, WIND_STREAM)), TICK_S)
+
+
+def _make_estimator(config: SimulationConfig, imu: Imu) -> Estimator | PerfectEstimator:
+    if config.perfect_estimate:
+        return PerfectEstimator(settled_s=config.settled_s)
+    return Estimator(
+        _chance(config, ESTIMATE_STREAM),
+        imu.gyro_bias_frd,
+        imu.accelerometer_bias_frd,
+        rotor_noise_share=config.conditions.estimate.rotor_noise_share,
+        settled_s=config.settled_s,
+    )
+
+
+def _chance(config: SimulationConfig, stream: int) -> np.random.Generator:
+    return np.random.default_rng([config.seed, stream])

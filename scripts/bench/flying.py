@@ -16,7 +16,7 @@ from typing import Any
 from scripts.fly_course import API_PORT, LAP_LIMIT_S, free_instance
 
 ROOT = Path(__file__).resolve().parents[2]
-PROFILED = Path(__file__).with_name("profiled.py")
+PROFILED = Path("scripts", "bench", "profiled.py")  # each commit's own: it knows its modules
 ROLES = ("vehicle", "companion")
 LIMIT_S = 600.0
 Figures = dict[str, float]
@@ -118,12 +118,11 @@ def started(
     options: argparse.Namespace, folder: Path, *, parts: bool = True, root: Path = ROOT
 ) -> Iterator[subprocess.Popen[bytes]]:
     """Fly with the code at `root`; gives the companion's process, and ends the vehicle's."""
-    path = os.pathsep.join(map(str, dict.fromkeys((root, ROOT))))
-    environment = os.environ | {"PYTHONPATH": path, "OMP_NUM_THREADS": "1"}
+    environment = os.environ | {"PYTHONPATH": str(root), "OMP_NUM_THREADS": "1"}
     detail = "parts" if parts else "whole"
 
     def start(role: str, *arguments: str) -> subprocess.Popen[bytes]:
-        command = [sys.executable, str(PROFILED), role, detail, str(folder / f"{role}.json")]
+        command = [sys.executable, str(root / PROFILED), role, detail, str(folder / f"{role}.json")]
         return subprocess.Popen(
             [*command, *arguments],
             env=environment,

@@ -31,7 +31,7 @@ from scripts.fly_course import API_PORT, LAP_LIMIT_S, free_instance  # noqa: E40
 
 BATCH = 64
 OFFBOARD = 6 << 16
-MOST_GROWTH = 1.05  # of resident memory
+MAX_GROWTH = 1.05  # of resident memory
 LIMIT_S = 3600.0  # wall time
 
 
@@ -157,7 +157,7 @@ def judge(flight: Flight, reference: Flight) -> list[str]:
         if flight.result.get(name) != reference.result.get(name):
             was, is_now = reference.result.get(name), flight.result.get(name)
             harm.append(f"{name} {was} became {is_now}")
-    if flight.rss_after_kb > MOST_GROWTH * flight.rss_before_kb:
+    if flight.rss_after_kb > MAX_GROWTH * flight.rss_before_kb:
         harm.append(f"resident memory grew from {flight.rss_before_kb} to {flight.rss_after_kb} kB")
     return harm
 

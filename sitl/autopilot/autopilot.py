@@ -17,7 +17,7 @@ from sitl.autopilot.flight_modes.home import Home
 from sitl.autopilot.flight_modes.land_detector import LandDetector
 from sitl.autopilot.flight_modes.manual import Manual
 from sitl.autopilot.flight_modes.navigator import Navigator
-from sitl.autopilot.flight_modes.offboard import OffboardStream
+from sitl.autopilot.flight_modes.offboard import OffboardParameters, OffboardStream
 from sitl.autopilot.flight_modes.takeoff import Stage, Takeoff
 from sitl.autopilot.parameters import Parameters
 from sitl.frames import yaw_of
@@ -58,7 +58,7 @@ class Autopilot:
         home: Vector3,
     ) -> None:
         self.parameters = parameters
-        self._version = parameters.version
+        values = self._values = parameters.values
         self._home = home
         self._home_place = Home()
         self._hover_thrust = hover_thrust
@@ -75,7 +75,7 @@ class Autopilot:
         )
         self._failures = FailureCommands(parameters, commander)
         self._commands = Commands(commander, missions, navigator, self._failures, home)
-        self._offboard = OffboardStream(parameters)
+        self._offboard = OffboardStream(OffboardParameters.resolve(values))
         self._manual = Manual(parameters)
         self._stick_override = StickOverride(parameters)
         self._setpoints = Setpoints(commander, missions, navigator, self._offboard, self._manual)
@@ -96,7 +96,7 @@ class Autopilot:
     def step(self, estimate: Estimate) -> MotorThrusts:
         """Advance by one tick of 4 ms and give the rotor thrusts for it."""
         self._estimate = estimate
-        if self.parameters.version != self._version:
+        if self.parameters.values is not self._values:
             self._load()
         if self._airborne_pending:
             self._airborne_pending = False
@@ -250,14 +250,13 @@ class Autopilot:
         return self.missions.watch(estimate.time_us, estimate.position_ned, home)
 
     def _load(self) -> None:
-        """Take changed parameters into every part."""
-        self._version = self.parameters.version
+        """Hand changed parameters on, as a new record to every part."""
+        values = self._values = self.parameters.values
         for part in (
             self._cascade,
             self._commander,
             self.missions,
             self._navigator,
-            self._offboard,
             self._health,
             self._manual,
             self._stick_override,
@@ -265,6 +264,7 @@ class Autopilot:
             self._land_detector,
         ):
             part.load(self.parameters)
+        self._offboard.parameters = OffboardParameters.resolve(values)
         self._load_limits()
 
     def _load_limits(self) -> None:

@@ -1,4 +1,20 @@
-"""The autopilot's parameters: PX4's names, types, defaults and ranges, from `parameters.toml`."""
+"""The autopilot's parameters: PX4's names, types, defaults and ranges, from `parameters.toml`.
+
+`Parameters` is the store, which the wire writes. `Parameters.values` is a frozen table of them: a
+change makes another one, so that its identity tells whether anything has changed. Nobody looks a
+name up in the loop: what needs parameters declares a record of typed numbers in SI units, under
+plain names, and resolves it once from such a table:
+
+    class HeadingParameters(NamedTuple):
+        rate_max_rad_s: float  # MPC_YAWRAUTO_MAX
+
+        @classmethod
+        def resolve(cls, values: ParameterValues) -> Self:
+            return cls(rate_max_rad_s=math.radians(values["MPC_YAWRAUTO_MAX"]))
+
+It takes its record in its constructor and keeps it as `parameters`; whoever owns it puts a newly
+resolved one there after a change. What is made of parts has a record made of theirs.
+"""
 
 import math
 import struct
@@ -8,11 +24,14 @@ from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache
 from importlib.resources import files
+from types import MappingProxyType
 
 from sitl.errors import UsageError
 
 INT32_MIN, INT32_MAX = -(2**31), 2**31 - 1
 SINGLE_MAX = 3.4028234e38
+
+ParameterValues = Mapping[str, float]  # an int for INT32, a float of single precision else
 
 
 class ParameterType(IntEnum):
@@ -35,29 +54,29 @@ class Specification:
 
 
 class Parameters:
-    """A typed, bounded table; `version` counts the changes, so that readers may cache values."""
+    """A typed, bounded table; `values` is another object after each change."""
 
     def __init__(self, overrides: Mapping[str, float] | None = None) -> None:
         self._specifications = _specifications()
-        self._values = {name: spec.default for name, spec in self._specifications.items()}
-        self.version = 0
+        defaults = {name: spec.default for name, spec in self._specifications.items()}
+        self.values: ParameterValues = MappingProxyType(defaults)
         for name, value in (overrides or {}).items():
             self.set(name, value)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._values
+        return name in self.values
 
     def __getitem__(self, name: str) -> float:
-        return self._values[name]
+        return self.values[name]
 
     def names(self) -> list[str]:
         """All names, sorted: their places are the wire's param_index."""
-        return sorted(self._values)
+        return sorted(self.values)
 
     def get(self, name: str) -> float:
         """Give the value: an int for INT32, a float (of single precision) for REAL32."""
         self._require(name)
-        return self._values[name]
+        return self.values[name]
 
     def specification(self, name: str) -> Specification:
         """Give the type, default, range and unit."""
@@ -78,9 +97,8 @@ class Parameters:
         if not spec.minimum <= typed <= spec.maximum:
             limits = f"{spec.minimum:g} to {spec.maximum:g} {spec.unit}".rstrip()
             raise UsageError(f"parameter {name}: must be {limits}, got {value:g}")
-        if typed != self._values[name]:
-            self._values[name] = typed
-            self.version += 1
+        if typed != self.values[name]:
+            self.values = MappingProxyType({**self.values, name: typed})
 
     def set_from_text(self, name: str, text: str) -> None:
         """Change a value given as text, as an environment variable does; raises UsageError."""

@@ -16,11 +16,11 @@ from sitl.mavlink.servers.parameter_server import ParameterServer
 from sitl.mavlink.servers.request import Request
 from sitl.mavlink.servers.setpoints.setpoint_server import SetpointServer
 from sitl.mavlink.servers.signing_server import SigningServer
-from sitl.mavlink.streams.outgoing import Outgoing, Port
-from sitl.mavlink.vehicle import Vehicle
+from sitl.mavlink.streams.outgoing import ComponentOutlet, Outgoing
+from sitl.mavlink.vehicle import SimulatedVehicle
 from sitl.mavlink.wire.dialect import AUTOPILOT, CAMERA, REFEREE, Message, mavlink
-from sitl.mavlink.wire.framing import Received
 from sitl.mavlink.wire.newer_messages import RequestEvent
+from sitl.mavlink.wire.packets import Received
 from sitl.mavlink.wire.refusals import Refusal, Refusals
 
 COMMANDS = {mavlink.MAVLINK_MSG_ID_COMMAND_LONG, mavlink.MAVLINK_MSG_ID_COMMAND_INT}
@@ -50,17 +50,17 @@ class Dispatcher:
 
     def __init__(
         self,
-        vehicle: Vehicle,
+        vehicle: SimulatedVehicle,
         servers: Servers,
         outgoing: Outgoing,
-        ports: Mapping[tuple[int, int], Port],  # by link index and component
+        outlets: Mapping[tuple[int, int], ComponentOutlet],  # by link index and component
         *,
         system: int,
     ) -> None:
         self._vehicle = vehicle
         self._servers = servers
         self._outgoing = outgoing
-        self._ports = ports
+        self._outlets = outlets
         self._system = system
         self._for_anybody: Mapping[int, Handler] = {
             mavlink.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED: self._on_setpoint,
@@ -117,7 +117,7 @@ class Dispatcher:
         return Request(
             system=received.system,
             component=received.component,
-            outlet=self._ports[link.index, component],
+            outlet=self._outlets[link.index, component],
             streams=self._outgoing.streams[link.index],
         )
 

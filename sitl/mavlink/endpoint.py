@@ -23,12 +23,12 @@ from sitl.mavlink.servers.parameter_server import ParameterServer
 from sitl.mavlink.servers.setpoints.setpoint_server import SetpointServer
 from sitl.mavlink.servers.signing_server import SigningServer
 from sitl.mavlink.streams.health import heartbeat_now
-from sitl.mavlink.streams.outgoing import Outgoing, Port
+from sitl.mavlink.streams.outgoing import ComponentOutlet, Outgoing
 from sitl.mavlink.streams.view import View
-from sitl.mavlink.vehicle import Vehicle
+from sitl.mavlink.vehicle import SimulatedVehicle
 from sitl.mavlink.wire.dialect import AUTOPILOT, CAMERA, REFEREE
-from sitl.mavlink.wire.framing import Received
-from sitl.records.images import FrameStamp
+from sitl.mavlink.wire.packets import Received
+from sitl.records.images import ImageStamp
 
 COMPONENTS = (AUTOPILOT, CAMERA, REFEREE)
 LOG_LOOK_HZ = 10  # how often it is looked whether a flight begins or ends
@@ -39,7 +39,7 @@ class Endpoint:
 
     def __init__(
         self,
-        vehicle: Vehicle,
+        vehicle: SimulatedVehicle,
         links: Sequence[Link],
         *,
         system: int,
@@ -62,13 +62,17 @@ class Endpoint:
         self._log_looks = Schedule(LOG_LOOK_HZ)
         self._published_us = vehicle.time_us
         self._servers = self._make_servers(system, camera, guard)
-        ports = {
-            (link.index, c): Port(link, c, guard.refusals) for link in links for c in COMPONENTS
+        outlets = {
+            (link.index, c): ComponentOutlet(link, c, guard.refusals)
+            for link in links
+            for c in COMPONENTS
         }
-        self._dispatcher = Dispatcher(vehicle, self._servers, self._outgoing, ports, system=system)
+        self._dispatcher = Dispatcher(
+            vehicle, self._servers, self._outgoing, outlets, system=system
+        )
 
     def take_answer(self) -> int:
-        """Give the stamp of the frame that a new offboard setpoint answers, -1 if none came."""
+        """Give the stamp of the image that a new offboard setpoint answers, -1 if none came."""
         return self._servers.setpoints.take_answer()
 
     @property
@@ -103,8 +107,8 @@ class Endpoint:
             self.advance_lists(time_us - self._published_us)
         self._published_us = time_us
 
-    def publish_trigger(self, stamp: FrameStamp) -> None:
-        """Announce a camera frame, before its bytes go out."""
+    def publish_trigger(self, stamp: ImageStamp) -> None:
+        """Announce a camera image, before its bytes go out."""
         if self._vehicle.is_silent:
             return
         self._outgoing.broadcast(self._servers.camera.trigger(stamp), CAMERA)
@@ -148,7 +152,7 @@ class Endpoint:
             commands=CommandServer(vehicle, system, storage.metadata),
             missions=MissionServer(vehicle, self._outgoing.broadcast, self._outgoing.say),
             parameters=ParameterServer(
-                vehicle.parameters, self._outgoing.broadcast_packet, refusals
+                vehicle.parameters, self._outgoing.broadcast_packed, refusals
             ),
             setpoints=SetpointServer(vehicle),
             ground_station=GroundStationWatch(),

@@ -19,12 +19,8 @@ from sitl.records.vehicle import (
 )
 
 
-class Parameters(Protocol):
+class ParameterStore(Protocol):
     """A table of typed parameters under PX4's names."""
-
-    @property
-    def version(self) -> int:
-        """Counts the changes."""
 
     def __contains__(self, name: object) -> bool: ...
 
@@ -41,7 +37,7 @@ class Parameters(Protocol):
         """Change a value; raises UsageError if it is not allowed."""
 
 
-class Missions(Protocol):
+class MissionStore(Protocol):
     """The plans that are kept, and how far the flight of one has come."""
 
     @property
@@ -64,11 +60,11 @@ class Missions(Protocol):
         """Hand over the items that were reached since the last call."""
 
 
-class Autopilot(Protocol):
+class CommandedAutopilot(Protocol):
     """Whoever flies the vehicle."""
 
     @property
-    def missions(self) -> Missions:
+    def missions(self) -> MissionStore:
         """Its missions, fences and rally points."""
 
     @property
@@ -105,7 +101,7 @@ class Autopilot(Protocol):
         """Hand over what it has said since the last call."""
 
 
-class Vehicle(Protocol):
+class SimulatedVehicle(Protocol):
     """One simulated vehicle on its course."""
 
     @property
@@ -133,11 +129,11 @@ class Vehicle(Protocol):
         """Whether a failure keeps it from sending and hearing anything."""
 
     @property
-    def autopilot(self) -> Autopilot:
+    def autopilot(self) -> CommandedAutopilot:
         """Whoever flies it."""
 
     @property
-    def parameters(self) -> Parameters:
+    def parameters(self) -> ParameterStore:
         """Its parameters."""
 
     @property

@@ -19,7 +19,8 @@ from sitl.process.streams.camera_stream import CameraStream
 from sitl.process.streams.video import VideoSender
 from sitl.process.vehicle_folder import vehicle_folder
 from sitl.sensors.camera.camera import FIELD_OF_VIEW_DEG, SIZE_PX
-from sitl.simulation import CAMERA_RATE_HZ, Simulation, SimulationConfig
+from sitl.sensors.camera.feed import CAMERA_RATE_HZ
+from sitl.simulation import Simulation, SimulationConfig
 
 
 def assemble(

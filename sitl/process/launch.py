@@ -22,12 +22,11 @@ from sitl.mavlink.wire.signing import Signing
 from sitl.process.options.command_line import Options
 from sitl.process.options.signing_key import read_key, write_key
 from sitl.process.quiet import quiet_outputs
+from sitl.records.mavlink_numbers import MavState
 from sitl.records.modes import Mode
 
 if TYPE_CHECKING:
     from sitl.process.server import Server
-
-MAV_STATE_UNINIT = 0
 
 _log = logging.getLogger(__name__)
 
@@ -44,7 +43,7 @@ def launch(options: Options) -> int:
     with ExitStack() as stack:
         guard = _make_guard(options)
         links = _open_links(options, guard, stack)
-        boot = heartbeat(Mode.HOLD.custom_mode, Mode.HOLD.base_mode, MAV_STATE_UNINIT)
+        boot = heartbeat(Mode.HOLD.custom_mode, Mode.HOLD.base_mode, MavState.UNINIT)
         for link in links:
             link.send(boot)
         with quiet_outputs():

@@ -1,12 +1,12 @@
-"""Decide when vehicle time may pass in lockstep: not before the last camera frame is answered.
+"""Decide when vehicle time may pass in lockstep: not before the last camera image is answered.
 
-    standing --a viewer answers frame 0--> locked <--answered-- free
+    standing --a viewer answers image 0--> locked <--answered-- free
                                              |                    ^
                                              `--no viewer left, ---'
                                                 or no answer for 10 s of wall time
 
 Standing and waiting, the vehicle handles whatever comes in, at one and the same vehicle time.
-Locked and answered, it runs to the next frame and reads nothing, so that what happens depends on
+Locked and answered, it runs to the next image and reads nothing, so that what happens depends on
 the order of messages alone, never on wall time. Free, time passes at the pace of the wall clock.
 A camera that fails gives nothing to answer: after 1.5 s of it messages are read at any time.
 """
@@ -19,24 +19,24 @@ _log = logging.getLogger(__name__)
 
 
 class Lockstep:
-    """Follow frames and answers. Wall time comes in as an argument."""
+    """Follow images and answers. Wall time comes in as an argument."""
 
     def __init__(self) -> None:
         self._started = False
-        self._answered = False  # the newest frame
-        self._frame_us = 0
-        self._frame_wall_s = 0.0
+        self._answered = False  # the newest image
+        self._image_us = 0
+        self._image_wall_s = 0.0
         self._free = False
         self._warned = False
 
-    def frame_published(self, time_us: int, now_s: float) -> None:
-        """Note a new frame: it wants an answer."""
-        self._frame_us, self._frame_wall_s = time_us, now_s
+    def image_published(self, time_us: int, now_s: float) -> None:
+        """Note a new image: it wants an answer."""
+        self._image_us, self._image_wall_s = time_us, now_s
         self._answered = False
 
     def setpoint_received(self, answered_us: int, *, has_viewers: bool) -> None:
-        """Note a setpoint that answers the frame of `answered_us`."""
-        if answered_us < self._frame_us or not (self._started or has_viewers):
+        """Note a setpoint that answers the image of `answered_us`."""
+        if answered_us < self._image_us or not (self._started or has_viewers):
             return
         self._answered = self._started = True
         self._free = not has_viewers
@@ -47,7 +47,7 @@ class Lockstep:
             return False
         if not has_viewers:
             self._free = True
-        elif not self._answered and not self._free and now_s - self._frame_wall_s > PATIENCE_S:
+        elif not self._answered and not self._free and now_s - self._image_wall_s > PATIENCE_S:
             self._warn()
             self._free = True
         return self._answered or self._free
@@ -60,8 +60,8 @@ class Lockstep:
     def _warn(self) -> None:
         if not self._warned:
             _log.warning(
-                "lockstep: frame %.3f s unanswered for %.0f s; running free until one is",
-                self._frame_us / 1e6,
+                "lockstep: image %.3f s unanswered for %.0f s; running free until one is",
+                self._image_us / 1e6,
                 PATIENCE_S,
             )
         self._warned = True

@@ -12,7 +12,7 @@ class Pace:
     """Say when a tick is due on the wall clock."""
 
     def __init__(self, speed_factor: float, clock: Callable[[], float]) -> None:
-        """Pace by `speed_factor` seconds of vehicle time a second; 0: as fast as possible."""
+        """Pace by `speed_factor` seconds of vehicle time per second; 0: as fast as possible."""
         self._speed_factor = speed_factor
         self._clock = clock
         self._wall_s = 0.0

@@ -1,8 +1,8 @@
 """Run the vehicle on its sockets: one thread, one selector.
 
 Each tick: step the simulation, say the telemetry of that moment on the links, then, if the
-camera looks, its CAMERA_TRIGGER, then the frame's bytes. What is said leaves before the loop waits
-for anything, and before a frame. In real time, messages are handled between ticks as they come; in
+camera looks, its CAMERA_TRIGGER, then the image's bytes. What is said leaves before the loop waits
+for anything, and before an image. In real time, messages are handled between ticks as they come; in
 lockstep only while time stands (see `sitl.process.lockstep`).
 """
 
@@ -21,21 +21,21 @@ from sitl.process.lockstep import Lockstep
 from sitl.process.pacing import Pace
 from sitl.process.streams.camera_stream import CameraStream
 from sitl.process.streams.video import VideoSender
-from sitl.records.images import Frame, FrameStamp
+from sitl.records.images import Image, ImageStamp
 
 MAX_WAIT_S = 0.1  # so that a signal is soon seen
 STANDING_HEARTBEAT_S = 1.0  # wall time between heartbeats while vehicle time stands
 LIST_WAIT_S = TICK_US / 1e6  # pace of parameter lists while vehicle time stands
 MAX_DATAGRAMS = 64  # of one link at a time: a flood must not stop the clock
 FLUSH_S = 1.0
-BLIND_US = 1_500_000  # vehicle time without a frame, after which lockstep listens between ticks:
+BLIND_US = 1_500_000  # vehicle time without an image, after which lockstep listens between ticks:
 # longer than any gap of a camera that comes back (1.05 s, where it fails intermittently)
-TICKS_AT_ONCE = 25  # without looking up, as fast as possible: a frame comes every 12 or 13
+TICKS_AT_ONCE = 25  # without looking up, as fast as possible: an image comes every 12 or 13
 
 _log = logging.getLogger(__name__)
 
 
-class Simulation(Protocol):
+class ServedSimulation(Protocol):
     """What is run: a vehicle in its world."""
 
     @property
@@ -45,14 +45,14 @@ class Simulation(Protocol):
     def step(self) -> None:
         """Advance by one tick."""
 
-    def frame_due(self) -> bool:
+    def image_due(self) -> bool:
         """Whether the camera looks at this tick; true once for each."""
 
     @property
-    def frame_stamp(self) -> FrameStamp:
+    def image_stamp(self) -> ImageStamp:
         """Time and number of the image that `render` gives."""
 
-    def render(self) -> Frame:
+    def render(self) -> Image:
         """Take an image now."""
 
 
@@ -61,7 +61,7 @@ class Server:
 
     def __init__(
         self,
-        simulation: Simulation,
+        simulation: ServedSimulation,
         endpoint: Endpoint,
         links: Sequence[Link],
         stream: CameraStream,
@@ -80,7 +80,7 @@ class Server:
         self._free_pace = Pace(speed_factor or 1.0, clock)
         self._lockstep = Lockstep() if lockstep else None
         self._was_free = True
-        self._frame_us = 0  # vehicle time of the last frame given out
+        self._image_us = 0  # vehicle time of the last image given out
         self._heartbeat_s = self._flush_s = clock()
         self._tlog: TlogWriter | None = None
         self._video: VideoSender | None = None
@@ -103,12 +103,12 @@ class Server:
         """Say now and then what was refused."""
         self._refusals = refusals
 
-    def each_second(self, deed: Callable[[], None]) -> None:
+    def each_second(self, action: Callable[[], None]) -> None:
         """Do something once a second of wall time."""
-        self._each_second.append(deed)
+        self._each_second.append(action)
 
     def send_video(self, video: VideoSender) -> None:
-        """Send every frame as video, too."""
+        """Send every image as video, too."""
         self._video = video
 
     def stop(self) -> None:
@@ -125,7 +125,7 @@ class Server:
             else:
                 self._run_lockstep(self._lockstep)
             self._flush()
-        self._let_go()
+        self._send_gathered()
         self._refusals.report_all()
         self._selector.close()
 
@@ -144,20 +144,20 @@ class Server:
         if lockstep.is_free != self._was_free:
             self._was_free = lockstep.is_free
             pace.restart(self._simulation.time_us)
-        if lockstep.is_free or self._simulation.time_us - self._frame_us > BLIND_US:
+        if lockstep.is_free or self._simulation.time_us - self._image_us > BLIND_US:
             self._run_paced(pace)
             return
         wait_s = pace.wait_s(self._simulation.time_us + TICK_US)
         if wait_s > 0.0:
-            self._let_go()
+            self._send_gathered()
             self._stream.serve(min(wait_s, MAX_WAIT_S))
         elif pace.is_unlimited:
-            self._run_to_frame()
+            self._run_to_image()
         else:
             self._tick()
 
-    def _run_to_frame(self) -> None:
-        """Let time pass until there is a frame to answer; where none comes, not for ever."""
+    def _run_to_image(self) -> None:
+        """Let time pass until there is an image to answer; where none comes, not for ever."""
         for _ in range(TICKS_AT_ONCE):
             if self._tick() or self._stopping:
                 return
@@ -173,8 +173,8 @@ class Server:
             self._endpoint.repeat_heartbeats()
 
     def _receive(self, timeout_s: float) -> None:
-        """Wait for something to come in, and handle it; an answered frame ends it in lockstep."""
-        self._let_go()
+        """Wait for something to come in, and handle it; an answered image ends it in lockstep."""
+        self._send_gathered()
         for key, _ in self._selector.select(timeout_s):
             if key.fileobj is self._stream:
                 self._stream.serve()
@@ -196,7 +196,7 @@ class Server:
         return self._lockstep.may_advance(self._clock(), has_viewers=has_viewers)
 
     def _tick(self) -> bool:
-        """Let one tick pass; whether it gave a frame."""
+        """Let one tick pass; whether it gave an image."""
         self._simulation.step()
         return self._publish()
 
@@ -206,21 +206,21 @@ class Server:
         Whoever awaits the image reads the others while it is being drawn.
         """
         self._endpoint.publish()
-        if not self._simulation.frame_due():
+        if not self._simulation.image_due():
             return False
-        self._endpoint.publish_trigger(self._simulation.frame_stamp)
-        self._let_go()
-        frame = self._simulation.render()
-        self._frame_us = self._simulation.time_us
+        self._endpoint.publish_trigger(self._simulation.image_stamp)
+        self._send_gathered()
+        image = self._simulation.render()
+        self._image_us = self._simulation.time_us
         self._heartbeat_s = self._clock()
         if self._lockstep is not None:
-            self._lockstep.frame_published(frame.time_us, self._heartbeat_s)
-        self._stream.publish(frame)
+            self._lockstep.image_published(image.time_us, self._heartbeat_s)
+        self._stream.publish(image)
         if self._video is not None:
-            self._video.publish(frame)
+            self._video.publish(image)
         return True
 
-    def _let_go(self) -> None:
+    def _send_gathered(self) -> None:
         """Send what the links have gathered since the last wait."""
         for link in self._links:
             link.flush()
@@ -231,7 +231,7 @@ class Server:
             return
         self._flush_s = now_s
         self._refusals.report(now_s)
-        for deed in self._each_second:
-            deed()
+        for action in self._each_second:
+            action()
         if self._tlog is not None:
             self._tlog.flush()

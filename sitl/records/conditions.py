@@ -5,28 +5,25 @@ is off and a flight is the very same as without a file. The record is the refere
 """
 
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from sitl.errors import UsageError
 from sitl.records.motion import Vector3
+from sitl.toml_records import Limits, parse_toml, read_record
 
 CALM: Vector3 = (0.0, 0.0, 0.0)
-LEAST_DECOY_M = 1.8  # a gate is 1.6 m wide: nearer ones would stand in each other
+MIN_DECOY_M = 1.8  # a gate is 1.6 m wide: nearer ones would stand in each other
 
-T = TypeVar("T")
-
-
-LIMITS: Mapping[str, tuple[float, float]] = {
+LIMITS: Mapping[str, Limits] = {
     "mean_ned_m_s": (-20.0, 20.0),
     "gust_std_m_s": (0.0, 5.0),
     "gust_time_constant_s": (0.1, 60.0),
     "fog_visibility_m": (1.0, math.inf),
     "daylight_share": (0.0, 1.0),
-    "latency_s": (0.0, 0.4),  # a companion takes frames older than 0.5 s for lost
+    "latency_s": (0.0, 0.4),  # a companion takes images older than 0.5 s for lost
     "blur_std_px": (0.0, 16.0),
     "noise_std_levels": (0.0, 128.0),
     "frozen_frame_share": (0.0, 1.0),
@@ -59,11 +56,11 @@ class CameraFaults:
     latency_s: float = 0.0  # from the shutter to the stream; the stamp is the shutter's
     blur_std_px: float = 0.0
     noise_std_levels: float = 0.0  # of 255, each pixel and colour alone
-    frozen_frame_share: float = 0.0  # of the frames, which show the picture before once more
+    frozen_frame_share: float = 0.0  # of the images, which show the picture before once more
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CourseTricks:
+class CourseDecoys:
     """What stands on the course beside its gates."""
 
     decoy_inwards_m: float = 0.0  # a second gate beside each, that far; negative: outwards; 0: none
@@ -83,14 +80,14 @@ class Conditions:
     wind: Wind = Wind()
     light: Light = Light()
     camera: CameraFaults = CameraFaults()
-    course: CourseTricks = CourseTricks()
+    course: CourseDecoys = CourseDecoys()
     estimate: EstimateErrors = EstimateErrors()
 
     def __post_init__(self) -> None:
         """Check what the ranges alone do not; raises UsageError."""
-        if 0.0 < abs(self.course.decoy_inwards_m) < LEAST_DECOY_M:
+        if 0.0 < abs(self.course.decoy_inwards_m) < MIN_DECOY_M:
             raise UsageError(
-                f"course.decoy_inwards_m: must be 0 or at least {LEAST_DECOY_M} either way, "
+                f"course.decoy_inwards_m: must be 0 or at least {MIN_DECOY_M} either way, "
                 f"got {self.course.decoy_inwards_m:g}"
             )
 
@@ -108,11 +105,11 @@ def read_conditions(file: Path | None, changes: Sequence[str] = ()) -> Condition
             text = file.read_text()
         except (OSError, UnicodeDecodeError) as error:
             raise UsageError(f"--conditions: can't read {file}: {error}") from None
-        table = _parse(text, f"--conditions {file}")
+        table = parse_toml(text, f"--conditions {file}")
         parse_conditions(table, f"--conditions {file}")
     for change in changes:
         where = f"--condition {change}"
-        for name, part in _parse(change, where).items():
+        for name, part in parse_toml(change, where).items():
             known = table.get(name, {})
             table[name] = known | part if isinstance(part, dict) else part
         parse_conditions(table, where)
@@ -121,51 +118,4 @@ def read_conditions(file: Path | None, changes: Sequence[str] = ()) -> Condition
 
 def parse_conditions(table: Mapping[str, Any], where: str) -> Conditions:
     """Check a table of tables; `where` names it in errors. Raises UsageError."""
-    kinds: dict[str, type[Any]] = {
-        "wind": Wind,
-        "light": Light,
-        "camera": CameraFaults,
-        "course": CourseTricks,
-        "estimate": EstimateErrors,
-    }
-    for name, part in table.items():
-        if name not in kinds:
-            raise UsageError(f"{where}: unknown table '{name}'; known are {', '.join(kinds)}")
-        if not isinstance(part, dict):
-            raise UsageError(f"{where}: '{name}' must be a table, got {part!r}")
-    built = {name: _build(kinds[name], name, part, where) for name, part in table.items()}
-    try:
-        return Conditions(**built)
-    except UsageError as error:
-        raise UsageError(f"{where}: {error}") from None
-
-
-def _parse(text: str, where: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"{where}: not TOML: {error}") from None
-
-
-def _build(kind: type[T], table_name: str, table: Mapping[str, Any], where: str) -> T:
-    known = {item.name: item for item in fields(kind)}  # type: ignore[arg-type]
-    values = {}
-    for key, value in table.items():
-        name = f"{where}: {table_name}.{key}"
-        if key not in known:
-            raise UsageError(f"{name}: unknown key; known are {', '.join(known)}")
-        if isinstance(known[key].default, tuple):
-            if not isinstance(value, list) or len(value) != len(CALM):
-                raise UsageError(f"{name}: must be {len(CALM)} numbers, got {value!r}")
-            values[key] = tuple(_number(item, LIMITS[key], name) for item in value)
-        else:
-            values[key] = _number(value, LIMITS[key], name)
-    return kind(**values)
-
-
-def _number(value: Any, limits: tuple[float, float], name: str) -> Any:
-    low, high = limits
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not is_number or not low <= value <= high:  # also refuses NaN
-        raise UsageError(f"{name}: must be a number from {low:g} to {high:g}, got {value!r}")
-    return float(value)
+    return read_record(Conditions, table, LIMITS, f"{where}: ")

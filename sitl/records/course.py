@@ -2,8 +2,11 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Literal
 
 from sitl.records.motion import Vector3
+
+Direction = Literal["cw", "ccw"]  # seen from above
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -64,6 +64,7 @@ SUPPORTED = {
 UNITS, TYPES = [float(unit) for unit in FailureUnit], [float(kind) for kind in FailureType]
 MOTORS = 4
 PERIOD_US = 1_000_000  # of an intermittent failure: this long there, this long gone
+DELAY_US = 500_000  # by which a delayed unit is late
 SLOWER = 10  # how many outputs a slow unit drops for each that it gives
 
 

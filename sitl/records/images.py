@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-class FrameStamp(NamedTuple):
+class ImageStamp(NamedTuple):
     """When an image was taken, and its number."""
 
     time_us: int
@@ -15,7 +15,7 @@ class FrameStamp(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Frame:
+class Image:
     """One camera image."""
 
     time_us: int

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple
 
-NOT_GIVEN = 2**31 - 1  # x or y that leaves the place to the vehicle
+from sitl.records.mavlink_numbers import NOT_GIVEN
 
 
 class PlanKind(IntEnum):

@@ -1,5 +1,6 @@
 """The barometer: static pressure of the standard atmosphere, with noise and an offset."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +22,9 @@ class BarometerReading(NamedTuple):
     pressure_hpa: float
     altitude_m: float  # AMSL, that the standard atmosphere has this pressure at
     temperature_c: float
+
+
+NO_READING = BarometerReading(math.nan, math.nan, math.nan)  # before the first
 
 
 class Barometer:

@@ -1,9 +1,10 @@
 """The battery: a pack that empties while the vehicle is armed, as PX4's simulated one does.
 
-The charge falls linearly, down to a least share at which it stays; the voltage follows it.
+The charge falls linearly, down to a minimum at which it stays; the voltage follows it.
 """
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import NamedTuple, Self
 
 from sitl.clock import SECOND_US
 
@@ -12,10 +13,21 @@ class Pack(NamedTuple):
     """What the parameters say about the battery."""
 
     cells: int  # BAT1_N_CELLS
-    full_v: float  # BAT1_V_CHARGED, a cell
-    empty_v: float  # BAT1_V_EMPTY, a cell
+    full_v: float  # BAT1_V_CHARGED, per cell
+    empty_v: float  # BAT1_V_EMPTY, per cell
     drain_s: float  # SIM_BAT_DRAIN, full to empty
-    least: float  # SIM_BAT_MIN_PCT, 0..1
+    min_charge: float  # SIM_BAT_MIN_PCT, 0..1
+
+    @classmethod
+    def resolve(cls, values: Mapping[str, float]) -> Self:
+        """Take PX4's parameters."""
+        return cls(
+            cells=int(values["BAT1_N_CELLS"]),
+            full_v=values["BAT1_V_CHARGED"],
+            empty_v=values["BAT1_V_EMPTY"],
+            drain_s=values["SIM_BAT_DRAIN"],
+            min_charge=values["SIM_BAT_MIN_PCT"] / 100.0,
+        )
 
     def voltage_v(self, charge: float) -> float:
         """Give the voltage of the whole pack at a charge."""
@@ -30,6 +42,6 @@ class Battery:
 
     def advance(self, elapsed_us: int, pack: Pack, *, armed: bool) -> None:
         """Discharge for a while."""
-        if armed and self.remaining > pack.least:
+        if armed and self.remaining > pack.min_charge:
             spent = elapsed_us / SECOND_US / pack.drain_s
-            self.remaining = max(pack.least, self.remaining - spent)
+            self.remaining = max(pack.min_charge, self.remaining - spent)

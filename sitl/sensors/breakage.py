@@ -1,9 +1,8 @@
-"""What is broken outside the sensors: motors, the radio, the camera."""
+"""What is broken outside the sensors: motors and the radio."""
 
 import numpy as np
 
-from sitl.records.failures import SLOWER, Failure, FailureType, FailureUnit, is_gone
-from sitl.records.images import Frame
+from sitl.records.failures import Failure, FailureType, FailureUnit, is_gone
 from sitl.records.motion import MotorThrusts
 from sitl.sensors.fault import Fault
 from sitl.sensors.noise import normals
@@ -16,27 +15,21 @@ class Breakage:
     """Keeps what fails, and since when; without failures everything passes unchanged."""
 
     def __init__(self, rng: np.random.Generator) -> None:
-        self._rng = rng
         self._noise = normals(rng)
         self._motors: dict[int, Fault] = {}
         self._last: MotorThrusts = (0.0, 0.0, 0.0, 0.0)
-        self._signal: tuple[FailureType, int] | None = None  # and the time since when
-        self._camera: tuple[FailureType, int] | None = None
-        self._frames = 0
-        self._stuck: Frame | None = None
+        self._signal_since_us = 0
+        self.signal_fault = FailureType.OK  # what is wrong with the radio
 
     def fail(self, failure: Failure, time_us: int) -> None:
         """Break something, or repair it."""
-        kind = None if failure.type is FailureType.OK else (failure.type, time_us)
         if failure.unit is FailureUnit.MAVLINK_SIGNAL:
-            self._signal = kind
-        elif failure.unit is FailureUnit.CAMERA:
-            self._camera, self._stuck = kind, None
+            self.signal_fault, self._signal_since_us = failure.type, time_us
         elif failure.unit is FailureUnit.MOTOR:
             which = [failure.instance - 1] if failure.instance else ALL_MOTORS
             for motor in which:
                 self._motors.pop(motor, None)
-                if kind is not None:
+                if failure.type is not FailureType.OK:
                     self._motors[motor] = Fault(
                         failure.type, size=GARBAGE_THRUST, noise=self._noise, time_us=time_us
                     )
@@ -52,40 +45,8 @@ class Breakage:
         self._last = motors
         return motors
 
-    @property
-    def signal_fault(self) -> FailureType:
-        """What is wrong with the radio."""
-        return FailureType.OK if self._signal is None else self._signal[0]
-
     def is_silent(self, time_us: int) -> bool:
         """Whether the radio carries nothing, either way."""
-        if self._signal is None:
-            return False
-        kind, since_us = self._signal
-        if kind is FailureType.INTERMITTENT:
-            return is_gone(since_us, time_us)
-        return kind is FailureType.OFF
-
-    def takes_image(self, time_us: int) -> bool:
-        """Whether the camera gives the image that is due."""
-        if self._camera is None:
-            return True
-        kind, since_us = self._camera
-        self._frames += 1
-        if kind is FailureType.SLOW:
-            return self._frames % SLOWER == 0
-        if kind is FailureType.INTERMITTENT:
-            return not is_gone(since_us, time_us)
-        return kind is not FailureType.OFF
-
-    def picture(self, frame: Frame) -> Frame:
-        """Give the image as it leaves the camera."""
-        if self._camera is None:
-            return frame
-        rgb = frame.rgb
-        if self._camera[0] is FailureType.GARBAGE:
-            rgb = self._rng.integers(0, 256, rgb.shape, dtype=np.uint8)
-        elif self._camera[0] is FailureType.STUCK:
-            self._stuck = self._stuck or frame
-            rgb = self._stuck.rgb
-        return Frame(time_us=frame.time_us, sequence=frame.sequence, rgb=rgb)
+        if self.signal_fault is FailureType.INTERMITTENT:
+            return is_gone(self._signal_since_us, time_us)
+        return self.signal_fault is FailureType.OFF

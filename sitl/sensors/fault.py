@@ -3,9 +3,8 @@
 from collections import deque
 from collections.abc import Iterator
 
-from sitl.records.failures import SLOWER, FailureType, is_gone
+from sitl.records.failures import DELAY_US, SLOWER, FailureType, is_gone
 
-DELAY_US = 500_000
 # Assumption: a filter needs this long to find out that samples make no sense. Missing ones it sees
 # at once, slow and late ones it goes on using.
 DETECTION_US = 1_000_000
@@ -60,7 +59,7 @@ class Fault:
             return 0.0 if self.is_missing(time_us) else last
         return min(abs(given[0]), 1.0)
 
-    def is_seen(self, time_us: int) -> bool:
+    def is_detected(self, time_us: int) -> bool:
         """Whether the estimator does without this sensor now."""
         if self._kind in SENSELESS:
             return time_us - self._since_us >= DETECTION_US

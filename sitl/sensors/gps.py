@@ -19,6 +19,10 @@ VELOCITY_STD_M_S = (0.06, 0.077, 0.158)
 SLOW_STD_M = 0.3
 SLOW_TIME_CONSTANT_S = 60.0
 
+NO_READING = GpsReading(
+    0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), NO_FIX, satellites=0
+)  # before the first
+
 
 class Gps:
     """Reads the true position and velocity at `RATE_HZ`."""

@@ -14,7 +14,7 @@ from sitl.sensors.imu import Imu
 from sitl.sensors.noise import normals
 
 HEALTHY = SensorHealth()
-PACK = Pack(cells=4, full_v=4.05, empty_v=3.6, drain_s=60.0, least=0.5)  # PX4's defaults
+PACK = Pack(cells=4, full_v=4.05, empty_v=3.6, drain_s=60.0, min_charge=0.5)  # PX4's defaults
 UNITS = (  # in the order of SensorHealth
     FailureUnit.GYRO,
     FailureUnit.ACCELEROMETER,
@@ -54,6 +54,8 @@ class Sensors:
         self._rates: Vector3 = (0.0, 0.0, 0.0)
         self._force: Vector3 = (0.0, 0.0, 0.0)
         self._field: Vector3 = magnetometer.FIELD_NED
+        self._fix = gps.NO_READING
+        self._air = barometer.NO_READING
 
     def fail(self, unit: FailureUnit, kind: FailureType, time_us: int) -> None:
         """Let a sensor fail from now on, or be well again."""
@@ -140,5 +142,5 @@ class Sensors:
         if not faults:
             return HEALTHY
         return SensorHealth(
-            *(unit not in faults or not faults[unit].is_seen(time_us) for unit in UNITS)
+            *(unit not in faults or not faults[unit].is_detected(time_us) for unit in UNITS)
         )

@@ -20,11 +20,14 @@ from sitl.frames import (
     to_bullet_quaternion,
 )
 from sitl.records.motion import MotorThrusts, Quaternion, Vector3, VehicleState
-from sitl.world.airframe import Airframe
+from sitl.world.airframe import ROTORS, Airframe, Rotors
 
 ORIGIN = (0.0, 0.0, 0.0)
 FRICTION = 0.8  # assumption: rubber feet on a hard floor
 VISUAL_RGBA = (0.15, 0.15, 0.17, 1.0)
+
+# Position (m) and velocity (m/s) NED, q_ned_frd, rates (rad/s) FRD; a plain tuple, made every tick.
+BodyMotion = tuple[Vector3, Vector3, Quaternion, Vector3]
 
 
 class QuadrotorBody:
@@ -46,10 +49,13 @@ class QuadrotorBody:
         self.wind_ned: Vector3 = ORIGIN  # m/s, the air's velocity
         self._client = client
         self._airframe = airframe
-        self._max_speed = airframe.rotor_max_speed_rad_s
-        self._rotors = _rotor_constants(airframe)
+        self._max_speed = airframe.rotors.max_speed_rad_s
+        self._rotors = _rotor_constants(airframe.rotors)
         self._lag_dt_s = self._lag_up = self._lag_down = 0.0
-        self._stale = True
+        self._omega = [0.0] * ROTORS  # rad/s
+        self._step_s = 0.0  # how long the last step was; 0: there was none
+        self._previous_velocity_ned: Vector3 = ORIGIN
+        self._motion: BodyMotion | None = None  # none: a step has changed it
         self.body_id = self._create(visual=visual)
         self.reset(
             position_ned=position_ned,
@@ -75,28 +81,25 @@ class QuadrotorBody:
         pybullet.resetBaseVelocity(
             self.body_id, flip(velocity_ned), ORIGIN, physicsClientId=self._client
         )
-        self._omega = [self._max_speed * math.sqrt(thrust)] * 4
-        self._read()
-        self._previous_velocity_ned = self._velocity_ned
+        self._omega = [self._max_speed * math.sqrt(thrust)] * ROTORS
+        self._previous_velocity_ned = self._read()[1]
         self._step_s = 0.0
 
     def apply(self, motors: MotorThrusts, dt_s: float) -> None:
         """Advance the rotors by `dt_s` and put their forces and the drag on the body."""
-        if self._stale:
-            self._read()
-        force_frd, torque_frd = self._forces(self._spin(motors, dt_s))
+        motion = self._motion or self._read()
+        force_frd, torque_frd = self._forces(motion, self._spin(motors, dt_s))
         body, client, link = self.body_id, self._client, pybullet.LINK_FRAME  # no keywords: faster
         pybullet.applyExternalForce(body, -1, flip(force_frd), ORIGIN, link, client)
         pybullet.applyExternalTorque(body, -1, flip(torque_frd), link, client)
-        self._previous_velocity_ned = self._velocity_ned
+        self._previous_velocity_ned = motion[1]
         self._step_s = dt_s
-        self._stale = True
+        self._motion = None
 
     def state(self, time_us: int) -> VehicleState:
         """Read the true state; the specific force is the mean over the last step, with contact."""
-        if self._stale:
-            self._read()
-        velocity, previous, step_s = self._velocity_ned, self._previous_velocity_ned, self._step_s
+        position, velocity, q_ned_frd, rates = self._motion or self._read()
+        previous, step_s = self._previous_velocity_ned, self._step_s
         rate = 1.0 / step_s if step_s else 0.0
         specific_force_ned = (
             (velocity[0] - previous[0]) * rate,
@@ -105,11 +108,11 @@ class QuadrotorBody:
         )
         return VehicleState(
             time_us,
-            self._position_ned,
+            position,
             velocity,
-            self._q_ned_frd,
-            self._rates_frd,
-            rotate_inverse(self._q_ned_frd, specific_force_ned),
+            q_ned_frd,
+            rates,
+            rotate_inverse(q_ned_frd, specific_force_ned),
         )
 
     @property
@@ -118,37 +121,38 @@ class QuadrotorBody:
         a, b, c, d = self._omega
         return (a, b, c, d)
 
-    def _read(self) -> None:
+    def _read(self) -> BodyMotion:
+        """Ask the physics engine; kept until the next step."""
         body, client = self.body_id, self._client
         position, orientation = pybullet.getBasePositionAndOrientation(body, client)
         velocity, rates = pybullet.getBaseVelocity(body, client)
-        self._position_ned = flip(position)
-        self._velocity_ned = flip(velocity)
-        self._q_ned_frd = from_bullet_quaternion(orientation)
-        self._rates_frd = rotate_inverse(self._q_ned_frd, flip(rates))
-        self._stale = False
+        q_ned_frd = from_bullet_quaternion(orientation)
+        rates_frd = rotate_inverse(q_ned_frd, flip(rates))
+        self._motion = motion = (flip(position), flip(velocity), q_ned_frd, rates_frd)
+        return motion
 
     def _spin(self, motors: MotorThrusts, dt_s: float) -> list[float]:
         if dt_s != self._lag_dt_s:
             self._lag_dt_s = dt_s
-            self._lag_up = 1.0 - math.exp(-dt_s / self._airframe.rotor_time_constant_up_s)
-            self._lag_down = 1.0 - math.exp(-dt_s / self._airframe.rotor_time_constant_down_s)
+            rotors = self._airframe.rotors
+            self._lag_up = 1.0 - math.exp(-dt_s / rotors.time_constant_up_s)
+            self._lag_down = 1.0 - math.exp(-dt_s / rotors.time_constant_down_s)
         omega = self._omega
         for index, thrust in enumerate(motors):
             error = self._max_speed * math.sqrt(min(max(thrust, 0.0), 1.0)) - omega[index]
             omega[index] += error * (self._lag_up if error > 0.0 else self._lag_down)
         return omega
 
-    def _forces(self, omega: list[float]) -> tuple[Vector3, Vector3]:
+    def _forces(self, motion: BodyMotion, omega: list[float]) -> tuple[Vector3, Vector3]:
         """Sum thrust, reaction moment and drag over the rotors, about the centre of mass, FRD."""
         wind = self.wind_ned
-        vx, vy, vz = self._velocity_ned
-        air = rotate_inverse(self._q_ned_frd, (vx - wind[0], vy - wind[1], vz - wind[2]))
-        p, q, yaw_rate = self._rates_frd
-        drag, k_thrust = self._airframe.rotor_drag_n_s2_m, self._airframe.thrust_coefficient_n_s2
-        kx, ky, kz = self._airframe.linear_drag_n_s_m
+        _, (vx, vy, vz), q_ned_frd, (p, q, yaw_rate) = motion
+        air = rotate_inverse(q_ned_frd, (vx - wind[0], vy - wind[1], vz - wind[2]))
+        rotors, body_drag = self._airframe.rotors, self._airframe.drag
+        drag, k_thrust = rotors.drag_coefficient_n_s2_m, rotors.thrust_coefficient_n_s2
+        kx, ky, kz = body_drag.linear_n_s_m
         fx, fy, fz = -kx * air[0], -ky * air[1], -kz * air[2]
-        kx, ky, kz = self._airframe.angular_drag_n_m_s
+        kx, ky, kz = body_drag.angular_n_m_s
         roll, pitch, yaw = -kx * p, -ky * q, -kz * yaw_rate
         for (x, y, moment), speed in zip(self._rotors, omega, strict=True):
             thrust = k_thrust * speed * speed
@@ -188,11 +192,9 @@ class QuadrotorBody:
         return int(body)
 
 
-def _rotor_constants(airframe: Airframe) -> tuple[Vector3, ...]:
+def _rotor_constants(rotors: Rotors) -> tuple[Vector3, ...]:
     """Give each rotor's x, y (m) and the signed reaction moment per thrust (m), FRD."""
     return tuple(
-        (x, y, direction * airframe.moment_coefficient_m)
-        for (x, y), direction in zip(
-            airframe.rotor_positions_frd_m, airframe.rotor_directions, strict=True
-        )
+        (x, y, moment)
+        for (x, y), moment in zip(rotors.positions_frd_m, rotors.yaw_moments_m, strict=True)
     )

@@ -8,15 +8,12 @@ References: Arnez et al. 2022 (radius and height noise), Bonatti et al. 2020 (ge
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
 from sitl.errors import UsageError
 from sitl.frames import wrap_pi
-from sitl.records.course import Gate
-
-Direction = Literal["cw", "ccw"]
+from sitl.records.course import Direction, Gate
 
 GATES_PER_LAP = 8
 RADIUS_M = 8.0

@@ -3,7 +3,7 @@
 import re
 
 from sitl.mavlink.streams.encoders import ENCODERS
-from sitl.mavlink.streams.streams import GROUND_STATION, OFFBOARD_API, Rates
+from sitl.mavlink.streams.rates import GROUND_STATION, OFFBOARD_API, Rates
 from sitl.mavlink.wire.dialect import mavlink
 from tests.paths import DOCS
 

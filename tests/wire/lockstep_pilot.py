@@ -13,10 +13,10 @@ from pymavlink.dialects.v20 import development as mavlink
 from tests.wire.stream_viewer import StreamViewer
 from tests.wire.vehicle_process import Vehicle, is_acknowledgement, is_from
 
-FRAME_S = 0.05
+IMAGE_S = 0.05
 BODY_NED, LOCAL_NED, UNSUPPORTED = 8, 1, 12  # MAV_FRAME
 VELOCITY = 0x5C7  # velocity and yaw rate count
-HELLO_FRAMES = 20
+HELLO_IMAGES = 20
 ARM, SET_MODE, OFFBOARD = 400, 176, 6.0
 STANDBY, ACTIVE = 3, 4  # MAV_STATE
 BEAT_S = 1.01  # between two of the autopilot's HEARTBEATs, at most
@@ -52,7 +52,7 @@ class LockstepPilot:
         self.gcs = vehicle.gcs
         self.time_s = 0.0
         self.says_hello = True  # once a second
-        self._frames = 0
+        self._images = 0
         self.gcs.wait_for(is_from(100, "HEARTBEAT"))
         self.gcs.command(512, mavlink.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION, target=(1, 100))
         self._viewer = StreamViewer(self.gcs.wait_for("VIDEO_STREAM_INFORMATION").uri)
@@ -66,7 +66,7 @@ class LockstepPilot:
     def fly(self, seconds: float, setpoint: Setpoint = STILL) -> list[Heard]:
         """Answer each frame of some vehicle time with the setpoint; what was heard."""
         heard: list[Heard] = []
-        for _ in range(round(seconds / FRAME_S)):
+        for _ in range(round(seconds / IMAGE_S)):
             heard += self.answer(setpoint)
         return heard
 
@@ -84,10 +84,10 @@ class LockstepPilot:
     def answer(self, setpoint: Setpoint) -> list[Heard]:
         """Take one frame and what came before it, and answer it."""
         part = self._viewer.read()
-        heard = self._take(part.time_us) if self._frames else []
-        if self.says_hello and self._frames % HELLO_FRAMES == 0:
+        heard = self._take(part.time_us) if self._images else []
+        if self.says_hello and self._images % HELLO_IMAGES == 0:
             self.gcs.say_hello()
-        self._frames += 1
+        self._images += 1
         s = setpoint
         numbers = (*s.position, *s.velocity, 0.0, 0.0, 0.0, s.yaw, s.yaw_rate)
         self.gcs.send(

@@ -15,9 +15,7 @@ from typing import Any, Literal
 from flightstack.errors import UsageError
 from flightstack.evaluation.trials.experiment import Condition
 from flightstack.tables import record_from_table
-from sitl.errors import SitlError
-from sitl.records.conditions import parse_conditions
-from sitl.world.track import MAX_HEIGHT_NOISE_M, MAX_RADIUS_NOISE_M
+from sitl import MAX_HEIGHT_NOISE_M, MAX_RADIUS_NOISE_M, SitlError, parse_conditions
 
 CLIMB = (  # from the first rung up: what a reader of the ladder sees from left to right
     *("level1", "level2", "noise-2-4", "noise-3-5", "commands-1.6", "commands-2"),

@@ -13,12 +13,20 @@ from numpy.typing import NDArray
 
 from flightstack.errors import UsageError
 from flightstack.training.data.gate_views import PARKED_NED, place
-from sitl.frames import quaternion_from_euler, wrap_pi
-from sitl.records.course import Gate
-from sitl.records.motion import Quaternion, Vector3
-from sitl.sensors.camera.camera import Camera
-from sitl.sensors.camera.look import GROUND_TEXTURES, Colour, Look, at_dusk, draw_look
-from sitl.sensors.camera.picture import blurred
+from sitl import (
+    GROUND_TEXTURES,
+    Camera,
+    Colour,
+    Gate,
+    Look,
+    Quaternion,
+    Vector3,
+    at_dusk,
+    blurred,
+    draw_look,
+    quaternion_from_euler,
+    wrap_pi,
+)
 
 PLAIN, DOUBLE_GATE, NO_GATE = "plain", "double gate", "no gate"
 FOG, BLUR = "fog", "blur"

@@ -6,7 +6,7 @@ References:
 
 from flightstack.errors import UsageError
 from flightstack.evaluation.trials.experiment import Condition, Row
-from sitl.world.track import MAX_HEIGHT_NOISE_M, MAX_RADIUS_NOISE_M
+from sitl import MAX_HEIGHT_NOISE_M, MAX_RADIUS_NOISE_M
 
 GATES = 32  # 4 laps
 LEVELS = {"level1": (1.0, 2.0), "level2": (1.5, 3.0)}  # m, of the gates' radius and height

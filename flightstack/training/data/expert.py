@@ -15,9 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.frames import body_from_ned, wrap_pi
-from sitl.frames import yaw_of
-from sitl.records.course import Gate
-from sitl.records.motion import Vector3, VehicleState
+from sitl import Gate, Vector3, VehicleState, yaw_of
 
 
 class Expert(Protocol):

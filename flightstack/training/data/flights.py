@@ -16,13 +16,20 @@ from flightstack.training.data.expert import Expert, FunnelExpert
 from flightstack.training.data.minimum_jerk import MinimumJerkExpert
 from flightstack.training.recipe import FlightRecipe
 from flightstack.training.seeds import TRAINING_TRACKS
-from sitl.frames import yaw_of
-from sitl.records.conditions import Conditions, Light
-from sitl.records.course import CourseState, Gate
-from sitl.records.motion import Vector3
-from sitl.records.vehicle import OffboardSetpoint
-from sitl.simulation import CAMERA_RATE_HZ, Simulation, SimulationConfig
-from sitl.world.track import GATE_HEIGHT_M, GATES_PER_LAP
+from sitl import (
+    CAMERA_RATE_HZ,
+    GATE_HEIGHT_M,
+    GATES_PER_LAP,
+    Conditions,
+    CourseState,
+    Gate,
+    Light,
+    OffboardSetpoint,
+    Simulation,
+    SimulationConfig,
+    Vector3,
+    yaw_of,
+)
 
 LABEL_NAMES = ("vx", "vy", "vz", "yaw_rate")
 MEASURED_EVERY = 10  # frames: half a second apart, so that few images tell of many tracks
@@ -101,7 +108,7 @@ def _record(
     noise = _Disturbance(rng, recipe)
     images: list[NDArray[np.uint8]] = []
     labels: list[NDArray[np.float64]] = []
-    simulation.frame_due()
+    simulation.image_due()
     while len(labels) < recipe.frames and simulation.course.state is CourseState.ACTIVE:
         if len(labels) % every == 0:
             images.append(simulation.render().rgb)
@@ -112,7 +119,7 @@ def _record(
         _command(simulation, label + noise.draw() if pilot is None else pilot(images[-1]))
         while True:
             simulation.step()
-            if simulation.frame_due():
+            if simulation.image_due():
                 break
     if simulation.course.state is CourseState.FAILED:
         labels = labels[: -recipe.lost_frames]

@@ -11,11 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.training.recipe import ViewRecipe
-from sitl.frames import euler_from_quaternion, quaternion_from_euler, rotate, wrap_pi
-from sitl.records.course import Gate
-from sitl.records.motion import Quaternion, Vector3
-from sitl.sensors.camera.camera import Camera
-from sitl.sensors.camera.look import draw_look, in_fog
+from sitl import (
+    Camera,
+    Gate,
+    Quaternion,
+    Vector3,
+    draw_look,
+    euler_from_quaternion,
+    in_fog,
+    quaternion_from_euler,
+    rotate,
+    wrap_pi,
+)
 
 LABEL_NAMES = ("range_m", "azimuth_rad", "elevation_rad", "gate_yaw_rad")
 PARKED_NED = (0.0, 0.0, 1000.0)  # where gates wait that are not in the image

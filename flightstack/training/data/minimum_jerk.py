@@ -18,9 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.frames import body_from_ned, wrap_pi
-from sitl.frames import yaw_of
-from sitl.records.course import Gate
-from sitl.records.motion import VehicleState
+from sitl import Gate, VehicleState, yaw_of
 
 REPLAN_DISTANCE_M = 0.5  # Bonatti et al. 2020
 MOST_SPEED_M_S = 5.0  # Bonatti et al. 2020

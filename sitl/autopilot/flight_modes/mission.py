@@ -13,7 +13,7 @@ from enum import Enum
 from math import isnan
 from typing import NamedTuple
 
-from sitl.autopilot.control.heading import Facing
+from sitl.autopilot.control.heading import FacingParameters
 from sitl.autopilot.flight_modes import mission_plan
 from sitl.autopilot.parameters import Parameters
 from sitl.clock import SECOND_US
@@ -74,7 +74,6 @@ class MissionFlight:
         self._arrived_us = 0
         self._is_changed = False  # the item was set from outside
         self._wants_return = False  # RTL is due, and not yet begun
-        self._facing = Facing(parameters)
         self.load(parameters)
 
     def load(self, parameters: Parameters) -> None:
@@ -82,7 +81,7 @@ class MissionFlight:
         self._radius = parameters["NAV_ACC_RAD"]
         self._altitude_radius = parameters["NAV_MC_ALT_RAD"]
         self._takeoff_altitude = parameters["MIS_TAKEOFF_ALT"]
-        self._facing.load(parameters)
+        self._facing = FacingParameters.resolve(parameters.values)
 
     def take(self, plan: Plan, current: int) -> None:
         """Take a new plan; one that is being flown begins at once."""

@@ -7,7 +7,7 @@ import math
 from math import isnan
 from typing import NamedTuple
 
-from sitl.autopilot.control.heading import Heading
+from sitl.autopilot.control.heading import Heading, HeadingParameters
 from sitl.autopilot.control.setpoint import Setpoint
 from sitl.autopilot.control.trajectory import Agility, Trajectory
 from sitl.autopilot.flight_modes.mission import Leg, MissionFlight
@@ -45,7 +45,7 @@ class Navigator:
         self._stopped = True  # the place is held; until then only the speed is
         self._goal = Goal()
         self._home_ned = ORIGIN
-        self._heading = Heading(parameters)
+        self._heading = Heading()
         self._return_home = ReturnHome(parameters)
         self.load(parameters)
 
@@ -61,7 +61,7 @@ class Navigator:
         self._agility_z = Agility(
             min(p["MPC_ACC_UP_MAX"], p["MPC_ACC_DOWN_MAX"]), p["MPC_JERK_AUTO"]
         )
-        self._heading.load(p)
+        self._turning = HeadingParameters.resolve(p.values)
         self._altitude_radius = p["NAV_MC_ALT_RAD"]
         self._return_home.load(parameters)
 
@@ -81,7 +81,7 @@ class Navigator:
         self._stopped = False
         self._mode, self._goal, self._home_ned = mode, goal, home_ned
         self._leg, self._speed = Leg(), goal.speed_m_s
-        self._heading.start(yaw_of(estimate.q_ned_frd))
+        self._heading = Heading(yaw_of(estimate.q_ned_frd))
         if mode is Mode.RTL:
             self._return_home.start(estimate.position_ned, home_ned, goal.yaw_rad)
 
@@ -198,6 +198,6 @@ class Navigator:
         if isnan(wanted):
             x, y = target[0] - estimate.position_ned[0], target[1] - estimate.position_ned[1]
             far = math.hypot(x, y) > HEADING_RADIUS_M
-            wanted = math.atan2(y, x) if far else heading.rest_rad
-        heading.turn(wanted)
+            wanted = math.atan2(y, x) if far else heading.rest_rad(self._turning)
+        heading = self._heading = heading.turn(wanted, self._turning)
         return heading.yaw_rad, heading.rate_rad_s

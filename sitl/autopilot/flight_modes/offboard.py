@@ -1,10 +1,11 @@
 """The stream of offboard setpoints: is it alive, and what does it ask for now."""
 
 from math import isnan
+from typing import NamedTuple, Self
 
-from sitl.autopilot.control.heading import Heading
+from sitl.autopilot.control.heading import Heading, HeadingParameters
 from sitl.autopilot.control.setpoint import Setpoint
-from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.parameters import ParameterValues
 from sitl.clock import SECOND_US, TICK_US
 from sitl.records.vehicle import AttitudeTarget, OffboardSetpoint
 
@@ -13,24 +14,34 @@ LATENCY_US = 4_000  # PX4 was seen to act on a message after 1 to 16 ms; a tick 
 STOP = Setpoint(velocity_ned=(0.0, 0.0, 0.0))
 
 
+class OffboardParameters(NamedTuple):
+    """How long a stream may pause, and how briskly its heading turns."""
+
+    timeout_us: int  # COM_OF_LOSS_T
+    heading: HeadingParameters
+
+    @classmethod
+    def resolve(cls, values: ParameterValues) -> Self:
+        """Take PX4's values, in SI units."""
+        return cls(
+            timeout_us=round(values["COM_OF_LOSS_T"] * SECOND_US),
+            heading=HeadingParameters.resolve(values),
+        )
+
+
 class OffboardStream:
     """Keeps the newest setpoint, and the newest that can be flown."""
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: OffboardParameters) -> None:
+        self.parameters = parameters
         self._newest_us: int | None = None
         self._good = STOP
         self._next: tuple[int, Setpoint] | None = None  # when it takes effect
-        self._heading = Heading(parameters)
+        self._heading = Heading()
         self._turned_us = -1  # when the heading was last led
         self._stop_at_us: int | None = None  # where the newest can't be flown
         self._held_yaw_rad: float | None = None
         self.attitude: AttitudeTarget | None = None  # the newest, if it asks for that
-        self.load(parameters)
-
-    def load(self, parameters: Parameters) -> None:
-        """Take the timeout from the parameters."""
-        self._heading.load(parameters)
-        self._timeout_us = round(parameters["COM_OF_LOSS_T"] * SECOND_US)
 
     def receive(self, setpoint: OffboardSetpoint) -> None:
         """Take a setpoint in; a stream is alive even where one of them can't be flown."""
@@ -64,7 +75,9 @@ class OffboardStream:
 
     def is_alive(self, time_us: int) -> bool:
         """Whether the newest setpoint is younger than COM_OF_LOSS_T."""
-        return self._newest_us is not None and time_us - self._newest_us < self._timeout_us
+        return (
+            self._newest_us is not None and time_us - self._newest_us < self.parameters.timeout_us
+        )
 
     def wants_climb(self, time_us: int, down_m: float) -> bool:
         """Whether the stream asks a vehicle on the ground, at `down_m`, to take off."""
@@ -81,7 +94,7 @@ class OffboardStream:
             self._held_yaw_rad, self._turned_us = None, -1
             return good
         if time_us - self._turned_us != TICK_US:
-            heading.start(yaw_rad)
+            heading = Heading(yaw_rad)
         self._turned_us = time_us
         wanted = good.yaw_rad
         if isnan(wanted):
@@ -90,7 +103,7 @@ class OffboardStream:
             wanted = self._held_yaw_rad
         else:
             self._held_yaw_rad = None
-        heading.follow(wanted)
+        heading = self._heading = heading.follow(wanted, self.parameters.heading)
         return good._replace(yaw_rad=heading.yaw_rad, yaw_rate_rad_s=heading.rate_rad_s)
 
     def _flyable(self, time_us: int) -> Setpoint:

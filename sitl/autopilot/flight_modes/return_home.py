@@ -9,7 +9,7 @@ home turns so once it has climbed, and descends only then.
 import math
 from enum import Enum
 
-from sitl.autopilot.control.heading import Facing
+from sitl.autopilot.control.heading import FacingParameters
 from sitl.autopilot.parameters import Parameters
 from sitl.clock import SECOND_US
 from sitl.records.motion import Vector3
@@ -37,7 +37,6 @@ class ReturnHome:
         self._home_yaw_rad = NAN
         self._begins_near = False
         self._waiting_since_us = 0
-        self._facing = Facing(parameters)
         self.load(parameters)
 
     def load(self, parameters: Parameters) -> None:
@@ -48,7 +47,7 @@ class ReturnHome:
         self._cone_rad = math.radians(p["RTL_CONE_ANG"])
         self._radius, self._altitude_radius = p["NAV_ACC_RAD"], p["NAV_MC_ALT_RAD"]
         self._delay_s = p["RTL_LAND_DELAY"]
-        self._facing.load(p)
+        self._facing = FacingParameters.resolve(p.values)
 
     def start(self, position_ned: Vector3, home_ned: Vector3, home_yaw_rad: float = NAN) -> None:
         """Begin at a place; the heading to end in may be NaN: any."""

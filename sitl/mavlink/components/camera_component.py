@@ -3,11 +3,12 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from sitl.mavlink.servers.command_server import ACCEPTED, DENIED, UNSUPPORTED, acknowledge
+from sitl.mavlink.servers.command_server import acknowledge
 from sitl.mavlink.servers.request import Request
 from sitl.mavlink.streams.health import component_heartbeat
 from sitl.mavlink.wire.dialect import Message, mavlink
-from sitl.records.images import FrameStamp
+from sitl.records.images import ImageStamp
+from sitl.records.mavlink_numbers import MavResult
 
 VENDOR, MODEL = b"flightstack", b"sitl camera"
 FIRMWARE = 1  # major 1
@@ -45,25 +46,26 @@ class CameraComponent:
         """Say that the camera is there."""
         return component_heartbeat(mavlink.MAV_TYPE_CAMERA)
 
-    def trigger(self, stamp: FrameStamp) -> Message:
-        """Say that an image was taken: CAMERA_TRIGGER with the frame's own stamp and number."""
+    def trigger(self, stamp: ImageStamp) -> Message:
+        """Say that an image was taken: CAMERA_TRIGGER with the image's own stamp and number."""
         return mavlink.MAVLink_camera_trigger_message(stamp.time_us, stamp.sequence & 0xFFFFFFFF)
 
     def handle(self, message: Message, request: Request, time_us: int) -> None:
         """Answer a command addressed to the camera."""
         self._time_ms = time_us // 1000
-        asked = {
+        requested = {
             mavlink.MAV_CMD_REQUEST_MESSAGE: message.param1,
             REQUEST_CAMERA_INFORMATION: mavlink.MAVLINK_MSG_ID_CAMERA_INFORMATION,
             REQUEST_VIDEO_STREAM_INFORMATION: mavlink.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION,
         }.get(message.command)
-        if asked is None:
-            acknowledge(request, message.command, UNSUPPORTED)
+        if requested is None:
+            acknowledge(request, message.command, MavResult.UNSUPPORTED)
             return
-        encode = self._requestable.get(asked)
+        encode = self._requestable.get(requested)
         if encode is not None:
             request.outlet.send(encode())
-        acknowledge(request, message.command, DENIED if encode is None else ACCEPTED)
+        result = MavResult.DENIED if encode is None else MavResult.ACCEPTED
+        acknowledge(request, message.command, result)
 
     def _information(self) -> Message:
         return mavlink.MAVLink_camera_information_message(

@@ -10,14 +10,15 @@ referee keeps both messages to itself while the vehicle has a mission, except in
 
 import math
 
-from sitl.mavlink.servers.command_server import ACCEPTED, DENIED, UNSUPPORTED, acknowledge
+from sitl.mavlink.servers.command_server import acknowledge
 from sitl.mavlink.servers.request import Request
 from sitl.mavlink.streams.health import component_heartbeat
-from sitl.mavlink.vehicle import Vehicle
+from sitl.mavlink.vehicle import SimulatedVehicle
 from sitl.mavlink.wire.dialect import Message, mavlink
 from sitl.mavlink.wire.texts import statustexts
 from sitl.records.course import CourseEvent, CourseEventKind, CourseState, CourseStatus, Gate
-from sitl.records.gate import INNER_M
+from sitl.records.gate import GATE_INNER_M
+from sitl.records.mavlink_numbers import MavResult
 from sitl.records.modes import Mode
 from sitl.records.texts import INFO, NOTICE, WARNING
 
@@ -40,7 +41,7 @@ LOCAL_SCALE = 1e4  # MISSION_ITEM_INT.x and y of a local frame
 class RefereeComponent:
     """Put the course's events and score on the wire."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self._vehicle = vehicle
         self._texts = 0
 
@@ -68,12 +69,12 @@ class RefereeComponent:
     def handle(self, message: Message, request: Request) -> None:
         """Answer a command addressed to the referee."""
         if message.command != mavlink.MAV_CMD_REQUEST_MESSAGE:
-            acknowledge(request, message.command, UNSUPPORTED)
+            acknowledge(request, message.command, MavResult.UNSUPPORTED)
             return
         known = message.param1 == mavlink.MAVLINK_MSG_ID_MISSION_CURRENT
         if known:
             request.outlet.send(self.score())
-        acknowledge(request, message.command, ACCEPTED if known else DENIED)
+        acknowledge(request, message.command, MavResult.ACCEPTED if known else MavResult.DENIED)
 
     def answer_list(self, message: Message, request: Request) -> None:
         """Answer MISSION_REQUEST_LIST: the gates of one lap; other kinds of list are empty."""
@@ -126,7 +127,7 @@ def encode_gate(gate: Gate, number: int, request: Request, *, is_next: bool) -> 
         int(is_next),
         1,  # autocontinue
         0.0,
-        INNER_M / 2.0,
+        GATE_INNER_M / 2.0,
         0.0,
         math.degrees(gate.yaw_rad),
         round(north_m * LOCAL_SCALE),

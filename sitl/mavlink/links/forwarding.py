@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from sitl.mavlink.links.link import Link
 from sitl.mavlink.wire.dialect import OWN_COMPONENTS, mavlink
-from sitl.mavlink.wire.framing import Received
+from sitl.mavlink.wire.packets import Received
 
 MAX_COMPONENTS = 32  # of each link
 Component = tuple[int, int]  # system, component

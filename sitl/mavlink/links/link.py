@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from sitl.mavlink.wire.dialect import AUTOPILOT, OWN_COMPONENTS, Message
-from sitl.mavlink.wire.framing import Packet, Received, frame, pack
+from sitl.mavlink.wire.packets import Packed, Received, pack, wrap
 from sitl.mavlink.wire.refusals import Refusal, Refusals
 from sitl.mavlink.wire.signing import Signing
 
@@ -20,8 +20,8 @@ MAX_DATAGRAM_BYTES = 1400  # below any usual network's limit
 class Tap(Protocol):
     """Whoever keeps a copy of the traffic."""
 
-    def record(self, *frames: bytes, link: int) -> None:
-        """Take frames of one moment, on link number `link`."""
+    def record(self, *packets: bytes, link: int) -> None:
+        """Take packets of one moment, on link number `link`."""
 
 
 class Radio(Protocol):
@@ -40,7 +40,7 @@ class Guard:
 
 
 class Link(ABC):
-    """A way for MAVLink 2 frames in and out; never waits, never raises for what comes in."""
+    """A way for MAVLink 2 packets in and out; never waits, never raises for what comes in."""
 
     def __init__(self, name: str, *, system: int, index: int, guard: Guard | None = None) -> None:
         """Name and number the link; links of one vehicle share a guard."""
@@ -91,22 +91,22 @@ class Link(ABC):
 
     def send(self, message: Message, component: int = AUTOPILOT) -> None:
         """Send a message as one of the vehicle's components."""
-        self.send_packet(pack(message), component)
+        self.send_packed(pack(message), component)
 
-    def send_packet(self, packet: Packet, component: int = AUTOPILOT) -> None:
+    def send_packed(self, packed: Packed, component: int = AUTOPILOT) -> None:
         """Send a packed message as one of the vehicle's components."""
         if self.is_open:
-            self.send_raw(self._frame(packet, component))
+            self.send_raw(self._wrap(packed, component))
 
-    def send_together(self, packets: Iterable[Packet]) -> None:
+    def send_together(self, messages: Iterable[Packed]) -> None:
         """Send the autopilot's packed messages in as few datagrams as hold them."""
         if not self.is_open:
             return
-        frames = [self._frame(packet, AUTOPILOT) for packet in packets]
+        packets = [self._wrap(packed, AUTOPILOT) for packed in messages]
         for tap in self._taps:
-            tap.record(*frames, link=self.index)
+            tap.record(*packets, link=self.index)
         datagram = b""
-        for raw in frames:
+        for raw in packets:
             if len(datagram) + len(raw) > MAX_DATAGRAM_BYTES:
                 self._emit(datagram)
                 datagram = b""
@@ -115,7 +115,7 @@ class Link(ABC):
             self._emit(datagram)
 
     def send_raw(self, raw: bytes) -> None:
-        """Send a whole frame as it is."""
+        """Send a whole packet as it is."""
         for tap in self._taps:
             tap.record(raw, link=self.index)
         self._emit(raw)
@@ -131,7 +131,8 @@ class Link(ABC):
             self._transmit(data)
 
     def _forget(self) -> None:
-        """Drop what was gathered: whoever it was for has gone."""
+        """Drop what was gathered: whoever it was for has gone, a ground station or not."""
+        self.gcs_heard = False
         self._gathered = b""
 
     def _emit(self, data: bytes) -> None:
@@ -152,7 +153,7 @@ class Link(ABC):
         return number
 
     def receive(self) -> list[Received] | None:
-        """Take what has come in, up to one datagram: the frames that may be heeded."""
+        """Take what has come in, up to one datagram: the packets that may be heeded."""
         arrived = self._take()
         if arrived is None:
             return None
@@ -168,7 +169,7 @@ class Link(ABC):
         signing = self._guard.signing
         refusal = signing.judge(received)
         if signing.is_on and self._is_own(received):
-            refusal = Refusal.OWN_NAME  # authentic even: our own frame, sent back to us
+            refusal = Refusal.OWN_NAME  # authentic even: our own packet, sent back to us
         if refusal is not None:
             self._guard.refusals.note([refusal])
         return refusal is None
@@ -176,13 +177,13 @@ class Link(ABC):
     def _is_own(self, received: Received) -> bool:
         return received.system == self._system and received.component in OWN_COMPONENTS
 
-    def _frame(self, packet: Packet, component: int) -> bytes:
+    def _wrap(self, packed: Packed, component: int) -> bytes:
         sequence = self._sequences.get(component, 0)
         self._sequences[component] = (sequence + 1) & 0xFF
         signing = self._guard.signing
         if not signing.is_on:
-            return frame(packet, sequence=sequence, system=self._system, component=component)
-        raw = frame(
-            packet, sequence=sequence, system=self._system, component=component, is_signed=True
+            return wrap(packed, sequence=sequence, system=self._system, component=component)
+        raw = wrap(
+            packed, sequence=sequence, system=self._system, component=component, is_signed=True
         )
         return raw + signing.signature(raw, self.index)

@@ -6,10 +6,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from sitl.mavlink.links.link import Link
-from sitl.mavlink.wire.framing import Received
-from sitl.records.failures import SLOWER, FailureType
+from sitl.mavlink.wire.packets import Received
+from sitl.records.failures import DELAY_US, SLOWER, FailureType
 
-DELAY_US = 500_000
 SPOILS = {FailureType.GARBAGE, FailureType.SLOW, FailureType.DELAYED}
 
 

@@ -1,6 +1,6 @@
 """A further link over TCP: wait on a port for a client, and serve one at a time.
 
-Frames are cut out of the stream as they come. A client that reads too slowly loses whole frames;
+Packets are cut out of the stream as they come. A client that reads too slowly loses whole packets;
 it never holds up the vehicle.
 """
 
@@ -11,7 +11,7 @@ import socket
 from sitl.errors import LinkError
 from sitl.mavlink.links.link import Guard, Link
 from sitl.mavlink.links.udp_link import Address
-from sitl.mavlink.wire.framing import Received, split_stream
+from sitl.mavlink.wire.packets import Received, split_stream
 from sitl.mavlink.wire.refusals import Refusal
 
 RECEIVE_BYTES = 4096
@@ -118,7 +118,7 @@ class TcpLink(Link):
             return []
         messages, self._unread = split_stream(self._unread + data)
         if not messages and not self._unread:
-            self._guard.refusals.note([Refusal.NO_FRAME])
+            self._guard.refusals.note([Refusal.NO_PACKET])
         return messages
 
     def _flush(self) -> None:
@@ -141,7 +141,6 @@ class TcpLink(Link):
             self._selector.unregister(self._client)
             self._client.close()
         self._client = None
-        self.gcs_heard = False
         self._unread = b""
         self._pending.clear()
         self._forget()

@@ -9,7 +9,7 @@ from contextlib import suppress
 from sitl.errors import LinkError
 from sitl.mavlink.links.link import Guard, Link
 from sitl.mavlink.links.udp_link import RECEIVE_BUFFER_BYTES, RECEIVE_BYTES, Address
-from sitl.mavlink.wire.framing import Received, split
+from sitl.mavlink.wire.packets import Received, split
 from sitl.mavlink.wire.refusals import Refusal
 
 
@@ -65,7 +65,7 @@ class UdpClientLink(Link):
             return None
         messages = split(datagram)
         if not messages:
-            self._guard.refusals.note([Refusal.NO_FRAME])
+            self._guard.refusals.note([Refusal.NO_PACKET])
         return messages
 
     def _adopt_sender(self) -> None:

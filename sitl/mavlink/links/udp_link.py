@@ -1,8 +1,8 @@
 """A link over UDP.
 
-It sends unprompted to its default remote, as PX4 does. The first sender of a valid frame becomes
+It sends unprompted to its default remote, as PX4 does. The first sender of a valid packet becomes
 its partner for good: later senders are obeyed, but the answers go to the partner. With a signing
-key, only a signed frame makes a partner.
+key, only a signed packet makes a partner.
 """
 
 import errno
@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 from sitl.errors import LinkError
 from sitl.mavlink.links.link import LOOPBACK, Guard, Link
-from sitl.mavlink.wire.framing import Received, split
+from sitl.mavlink.wire.packets import Received, split
 from sitl.mavlink.wire.refusals import Refusal
 
-RECEIVE_BYTES = 2048  # a MAVLink frame has at most 280; longer datagrams are cut
+RECEIVE_BYTES = 2048  # a MAVLink packet has at most 280; longer datagrams are cut
 RECEIVE_BUFFER_BYTES = 1 << 20
 
 Address = tuple[str, int]
@@ -82,7 +82,7 @@ class UdpLink(Link):
             return None
         messages = split(datagram)
         if not messages:
-            self._guard.refusals.note([Refusal.NO_FRAME])
+            self._guard.refusals.note([Refusal.NO_PACKET])
         return messages
 
     def _adopt_sender(self) -> None:

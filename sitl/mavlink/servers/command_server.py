@@ -16,15 +16,11 @@ from sitl.mavlink.streams.identity import (
     protocol_version,
 )
 from sitl.mavlink.streams.view import View
-from sitl.mavlink.vehicle import Vehicle
+from sitl.mavlink.vehicle import SimulatedVehicle
 from sitl.mavlink.wire.dialect import AUTOPILOT, Message, mavlink
 from sitl.mavlink.wire.newer_messages import ComponentMetadata
+from sitl.records.mavlink_numbers import GLOBAL_FRAMES, INT32_MAX, NOT_GIVEN, MavResult
 from sitl.records.vehicle import Command
-
-ACCEPTED: int = mavlink.MAV_RESULT_ACCEPTED
-DENIED: int = mavlink.MAV_RESULT_DENIED
-UNSUPPORTED: int = mavlink.MAV_RESULT_UNSUPPORTED
-FAILED: int = mavlink.MAV_RESULT_FAILED
 
 SET_MESSAGE_INTERVAL = mavlink.MAV_CMD_SET_MESSAGE_INTERVAL
 GET_MESSAGE_INTERVAL = mavlink.MAV_CMD_GET_MESSAGE_INTERVAL
@@ -33,10 +29,6 @@ REQUEST_PROTOCOL_VERSION = 519  # withdrawn from MAVLink, but PX4 still answers 
 REQUEST_AUTOPILOT_CAPABILITIES = 520  # likewise
 DO_SET_MODE = mavlink.MAV_CMD_DO_SET_MODE
 ANSWERED_BY_ANYBODY = {REQUEST_PROTOCOL_VERSION, REQUEST_AUTOPILOT_CAPABILITIES}
-
-INT32_MAX = 2**31 - 1
-NOT_GIVEN = INT32_MAX  # COMMAND_INT.x and y
-GLOBAL_FRAMES = {0, 3, 5, 6, 10, 11}  # MAV_FRAME whose x and y are degrees * 1e7
 
 
 def is_addressed(message: Message, system: int, component: int = AUTOPILOT) -> bool:
@@ -79,7 +71,9 @@ def parse(message: Message) -> Command | None:
 class CommandServer:
     """The autopilot component's side of the command protocol."""
 
-    def __init__(self, vehicle: Vehicle, system: int, metadata: Metadata | None = None) -> None:
+    def __init__(
+        self, vehicle: SimulatedVehicle, system: int, metadata: Metadata | None = None
+    ) -> None:
         self._vehicle = vehicle
         self._metadata = metadata
         self._system = system
@@ -95,14 +89,14 @@ class CommandServer:
         """Take a COMMAND_LONG or COMMAND_INT that is addressed to the vehicle."""
         command = parse(message)
         if command is None:
-            acknowledge(request, message.command, DENIED)
+            acknowledge(request, message.command, MavResult.DENIED)
             return
         handler = self._handlers.get(command.command)
         if handler is not None:
             acknowledge(request, command.command, handler(command, request))
             return
         if command.command == DO_SET_MODE:
-            acknowledge(request, DO_SET_MODE, ACCEPTED)  # the receiver's own
+            acknowledge(request, DO_SET_MODE, MavResult.ACCEPTED)  # the receiver's own
         self._carry_out(command, request)
 
     def set_mode(self, message: Message, request: Request) -> None:
@@ -133,31 +127,31 @@ class CommandServer:
             messages = [] if message is None else [message]
         for message in messages:
             request.outlet.send(message)
-        return ACCEPTED if messages else DENIED
+        return MavResult.ACCEPTED if messages else MavResult.DENIED
 
     def _request_capabilities(self, _command: Command, request: Request) -> int:
         request.outlet.send(autopilot_version(self._system))
-        return ACCEPTED
+        return MavResult.ACCEPTED
 
     def _request_protocol_version(self, _command: Command, request: Request) -> int:
-        request.outlet.send_packet(protocol_version())
-        return ACCEPTED
+        request.outlet.send_packed(protocol_version())
+        return MavResult.ACCEPTED
 
     def _set_interval(self, command: Command, request: Request) -> int:
         message_id, interval_us = _whole(command.params[0]), _whole(command.params[1])
         if message_id is None or interval_us is None or message_id not in ENCODERS:
-            return FAILED
+            return MavResult.FAILED
         done = request.streams.set_interval(message_id, interval_us, self._vehicle.time_us)
-        return ACCEPTED if done else FAILED
+        return MavResult.ACCEPTED if done else MavResult.FAILED
 
     def _get_interval(self, command: Command, request: Request) -> int:
         message_id = _whole(command.params[0])
         if message_id is None or not 0 <= message_id <= 0xFFFF:
-            return DENIED
+            return MavResult.DENIED
         known = message_id in ENCODERS
         interval_us = request.streams.interval_us(message_id) if known else 0  # 0: there is none
         request.outlet.send(mavlink.MAVLink_message_interval_message(message_id, interval_us))
-        return ACCEPTED
+        return MavResult.ACCEPTED
 
 
 def _whole(value: float) -> int | None:

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from sitl.clock import SECOND_US
 from sitl.errors import UsageError
 from sitl.mavlink.servers.request import Outlet, Request
-from sitl.mavlink.vehicle import Parameters
+from sitl.mavlink.vehicle import ParameterStore
 from sitl.mavlink.wire.crc32 import crc32
 from sitl.mavlink.wire.dialect import Message, mavlink
-from sitl.mavlink.wire.framing import Packet
+from sitl.mavlink.wire.packets import Packed
 from sitl.mavlink.wire.refusals import Refusal, Refusals
 
 HASH_NAME = "_HASH_CHECK"  # PX4's checksum of all parameters, first of every list
@@ -25,8 +25,8 @@ class ParameterServer:
 
     def __init__(
         self,
-        parameters: Parameters,
-        broadcast: Callable[[Packet], None],
+        parameters: ParameterStore,
+        broadcast: Callable[[Packed], None],
         refusals: Refusals | None = None,
     ) -> None:
         """Serve a table; `broadcast` tells a change on all links."""
@@ -44,7 +44,7 @@ class ParameterServer:
 
     def request_list(self, _message: Message, request: Request) -> None:
         """Begin to list: PARAM_REQUEST_LIST."""
-        request.outlet.send_packet(self._hash_value())
+        request.outlet.send_packed(self._hash_value())
         self._lists[request.outlet] = 0
 
     def request_read(self, message: Message, request: Request) -> None:
@@ -52,11 +52,11 @@ class ParameterServer:
         outlet = request.outlet
         index = message.param_index
         if index == -1 and message.param_id == HASH_NAME:
-            outlet.send_packet(self._hash_value())
+            outlet.send_packed(self._hash_value())
         elif index == -1 and message.param_id in self._parameters:
-            outlet.send_packet(self._value(self._names.index(message.param_id)))
+            outlet.send_packed(self._value(self._names.index(message.param_id)))
         elif 0 <= index < len(self._names):
-            outlet.send_packet(self._value(index))
+            outlet.send_packed(self._value(index))
 
     def set(self, message: Message, request: Request) -> None:
         """Answer PARAM_SET: the value kept goes to all links; unknown or mistyped: silence."""
@@ -79,30 +79,30 @@ class ParameterServer:
         for outlet, index in list(self._lists.items()):
             end = min(index + count, len(self._names))
             for number in range(index, end):
-                outlet.send_packet(self._value(number))
+                outlet.send_packed(self._value(number))
             if end < len(self._names):
                 self._lists[outlet] = end
             else:
                 del self._lists[outlet]
 
-    def _value(self, index: int) -> Packet:
+    def _value(self, index: int) -> Packed:
         name = self._names[index]
         kind = self._parameters.type_of(name)
         value = _value_bytes(self._parameters.get(name), kind)
-        return self._packet(name, value, kind, index)
+        return self._pack(name, value, kind, index)
 
-    def _hash_value(self) -> Packet:
+    def _hash_value(self) -> Packed:
         state = 0
         for name in self._names:
             value = self._parameters.get(name)
             kind = self._parameters.type_of(name)
             state = crc32(name.encode() + _value_bytes(value, kind), state)
-        return self._packet(HASH_NAME, struct.pack("<I", state), UINT32, HASH_INDEX)
+        return self._pack(HASH_NAME, struct.pack("<I", state), UINT32, HASH_INDEX)
 
-    def _packet(self, name: str, value: bytes, kind: int, index: int) -> Packet:
+    def _pack(self, name: str, value: bytes, kind: int, index: int) -> Packed:
         payload = PARAM_VALUE.pack(value, len(self._names), index, name.encode(), kind)
         message_type = mavlink.MAVLink_param_value_message
-        return Packet(message_type.id, payload, message_type.crc_extra)
+        return Packed(message_type.id, payload, message_type.crc_extra)
 
 
 def _value_bytes(value: float, kind: int) -> bytes:

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import Protocol
 
-from sitl.mavlink.streams.streams import StreamTable
+from sitl.mavlink.streams.rates import StreamTable
 from sitl.mavlink.wire.dialect import Message
-from sitl.mavlink.wire.framing import Packet
+from sitl.mavlink.wire.packets import Packed
 
 
 class Outlet(Protocol):
@@ -14,7 +14,7 @@ class Outlet(Protocol):
     def send(self, message: Message) -> None:
         """Send a message."""
 
-    def send_packet(self, packet: Packet) -> None:
+    def send_packed(self, packed: Packed) -> None:
         """Send a packed message."""
 
 

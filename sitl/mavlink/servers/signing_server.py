@@ -8,7 +8,7 @@ import logging
 
 from sitl.mavlink.links.link import Guard
 from sitl.mavlink.servers.request import Request
-from sitl.mavlink.vehicle import Vehicle
+from sitl.mavlink.vehicle import SimulatedVehicle
 from sitl.mavlink.wire.dialect import Message
 from sitl.mavlink.wire.refusals import Refusal
 
@@ -18,12 +18,12 @@ _log = logging.getLogger(__name__)
 class SigningServer:
     """Hand a new key to the links."""
 
-    def __init__(self, vehicle: Vehicle, guard: Guard) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, guard: Guard) -> None:
         self._vehicle = vehicle
         self._guard = guard
 
     def set_up(self, message: Message, request: Request) -> None:
-        """Take over the key, unless armed. There is no answer: the next frames are signed."""
+        """Take over the key, unless armed. There is no answer: the next packets are signed."""
         if self._vehicle.autopilot.status.armed:
             self._guard.refusals.note([Refusal.KEY_CHANGE])
             return

@@ -7,7 +7,7 @@ from sitl.frames import geodetic_from_ned, quaternion_from_euler
 from sitl.mavlink.streams.health import STANDARD_MODES
 from sitl.mavlink.streams.view import View, degrees_e7, int32
 from sitl.mavlink.wire.dialect import Message, mavlink
-from sitl.mavlink.wire.framing import Packet
+from sitl.mavlink.wire.packets import Packed
 from sitl.records.modes import Mode
 
 VERSION = 0x011100FF  # the PX4 whose behaviour we show: 1.17.0, official release
@@ -54,12 +54,12 @@ def autopilot_version(system: int) -> Message:
     )
 
 
-def protocol_version() -> Packet:
+def protocol_version() -> Packed:
     """PROTOCOL_VERSION: MAVLink 2."""
     payload = PROTOCOL_VERSION_PAYLOAD.pack(
         PROTOCOL_MAXIMUM, PROTOCOL_MINIMUM, PROTOCOL_MAXIMUM, b"", b""
     )
-    return Packet(PROTOCOL_VERSION_ID, payload.rstrip(b"\0"), PROTOCOL_VERSION_CRC_EXTRA)
+    return Packed(PROTOCOL_VERSION_ID, payload.rstrip(b"\0"), PROTOCOL_VERSION_CRC_EXTRA)
 
 
 def available_modes(index: int) -> list[Message]:

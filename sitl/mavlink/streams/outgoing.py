@@ -4,20 +4,22 @@ from collections.abc import Callable, Sequence
 
 from sitl.mavlink.links.link import Link
 from sitl.mavlink.streams.encoders import ENCODERS
-from sitl.mavlink.streams.streams import GROUND_STATION, OFFBOARD_API, StreamTable
+from sitl.mavlink.streams.rates import GROUND_STATION, OFFBOARD_API, StreamTable
 from sitl.mavlink.streams.view import View
 from sitl.mavlink.wire.dialect import AUTOPILOT, Message, mavlink
-from sitl.mavlink.wire.framing import Packet, pack
+from sitl.mavlink.wire.packets import Packed, pack
 from sitl.mavlink.wire.refusals import Refusal, Refusals
 from sitl.mavlink.wire.texts import TAB, statustexts
+from sitl.records.mavlink_numbers import MavResult
+from sitl.records.missions import MissionResult
 from sitl.records.texts import StatusText
 
-COMMAND_IS_FINE = {mavlink.MAV_RESULT_ACCEPTED, mavlink.MAV_RESULT_IN_PROGRESS}
-PLAN_IS_FINE = {mavlink.MAV_MISSION_ACCEPTED, mavlink.MAV_MISSION_OPERATION_CANCELLED}
+COMMAND_IS_FINE = {MavResult.ACCEPTED, MavResult.IN_PROGRESS}
+PLAN_IS_FINE = {MissionResult.ACCEPTED, MissionResult.CANCELLED}
 API_INDEX = 1  # the offboard API's link; all others are ground stations'
 
 
-class Port:
+class ComponentOutlet:
     """A link as one component uses it; the refusals that go out by it are counted."""
 
     def __init__(self, link: Link, component: int, refusals: Refusals) -> None:
@@ -30,9 +32,9 @@ class Port:
             self._refusals.note([refusal])
         self._link.send(message, self._component)
 
-    def send_packet(self, packet: Packet) -> None:
+    def send_packed(self, packed: Packed) -> None:
         """Send a packed message."""
-        self._link.send_packet(packet, self._component)
+        self._link.send_packed(packed, self._component)
 
 
 def _refusal(message: Message) -> Refusal | None:
@@ -58,12 +60,12 @@ class Outgoing:
 
     def broadcast(self, message: Message, component: int = AUTOPILOT) -> None:
         """Send a message on every link."""
-        self.broadcast_packet(pack(message), component)
+        self.broadcast_packed(pack(message), component)
 
-    def broadcast_packet(self, packet: Packet, component: int = AUTOPILOT) -> None:
+    def broadcast_packed(self, packed: Packed, component: int = AUTOPILOT) -> None:
         """Send a packed message on every link."""
         for link in self._links:
-            link.send_packet(packet, component)
+            link.send_packed(packed, component)
 
     def say(self, text: StatusText) -> None:
         """Send one of the vehicle's texts on the links that have heard a ground station."""
@@ -76,15 +78,15 @@ class Outgoing:
     def send_streams(self, time_us: int, make_view: Callable[[], View]) -> None:
         """Send what the links' tables say is due, each link's together."""
         view: View | None = None
-        packets: dict[int, Packet | None] = {}
+        packed: dict[int, Packed | None] = {}
         for link, streams in zip(self._links, self.streams, strict=True):
             due = streams.due(time_us)
             if not due:
                 continue
             view = view or make_view()
             for message_id in due:
-                if message_id not in packets:
+                if message_id not in packed:
                     message = ENCODERS[message_id](view)
-                    packets[message_id] = None if message is None else pack(message)
-            known = [packets[message_id] for message_id in due]
-            link.send_together([packet for packet in known if packet is not None])
+                    packed[message_id] = None if message is None else pack(message)
+            known = [packed[message_id] for message_id in due]
+            link.send_together([each for each in known if each is not None])

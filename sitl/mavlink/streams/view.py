@@ -4,7 +4,7 @@ import math
 from functools import cached_property
 
 from sitl.frames import euler_from_quaternion, geodetic_from_ned
-from sitl.mavlink.vehicle import Vehicle
+from sitl.mavlink.vehicle import SimulatedVehicle
 from sitl.records.missions import MissionProgress
 from sitl.records.motion import Vector3
 from sitl.records.vehicle import SetpointEcho, VehicleStatus
@@ -13,7 +13,7 @@ from sitl.records.vehicle import SetpointEcho, VehicleStatus
 class View:
     """What the encoders read. Belongs to one vehicle time; made anew for each."""
 
-    def __init__(self, vehicle: Vehicle, *, unix_epoch_us: int = 0) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, *, unix_epoch_us: int = 0) -> None:
         self._autopilot = vehicle.autopilot
         self.time_us = vehicle.time_us
         self.time_ms = vehicle.time_us // 1000

@@ -1,1 +1,1 @@
-"""Bytes and messages: dialect, framing, signing, the telemetry log."""
+"""Bytes and messages: dialect, packets, signing, the telemetry log."""

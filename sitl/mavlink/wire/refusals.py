@@ -13,7 +13,7 @@ _log = logging.getLogger(__name__)
 class Refusal(StrEnum):
     """Why something that came in changed nothing."""
 
-    NO_FRAME = "no valid frame"
+    NO_PACKET = "no valid packet"
     UNSIGNED = "unsigned"
     BAD_SIGNATURE = "bad signature"
     REPLAYED = "replayed"

@@ -1,12 +1,12 @@
 """MAVLink 2 signatures: sign what goes out, judge what comes in.
 
 A signature is the link's id, a stamp (48 bits, units of 10 us since 2015) and the first 6 bytes
-of SHA-256 over key, frame, link id and stamp. A frame is judged in this order: first the
-signature itself, in constant time; then its stamp. Nothing is remembered of a frame that fails,
+of SHA-256 over key, packet, link id and stamp. A packet is judged in this order: first the
+signature itself, in constant time; then its stamp. Nothing is remembered of a packet that fails,
 so a forged one cannot push a stream's stamp ahead. The table of streams is bounded: a stream that
-has been silent for longer than `TOLERANCE` may be forgotten, since its old frames are then too
+has been silent for longer than `TOLERANCE` may be forgotten, since its old packets are then too
 old to be taken for a new stream's. What was signed before the start is too old as well: nothing is
-known of the streams of an earlier process, whose frames may come again.
+known of the streams of an earlier process, whose packets may come again.
 """
 
 import hashlib
@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable
 
 from sitl.mavlink.wire.dialect import mavlink
-from sitl.mavlink.wire.framing import SIGNATURE_BYTES, Received
+from sitl.mavlink.wire.packets import SIGNATURE_BYTES, Received
 from sitl.mavlink.wire.refusals import Refusal
 
 KEY_BYTES = 32
@@ -80,17 +80,17 @@ class Signing:
         self._ahead = max(self._ahead, min(initial_stamp, MAX_STAMP // 2) - self._clock())
         self._keep(self._key)
 
-    def signature(self, signed_frame: bytes, link: int) -> bytes:
-        """Sign a frame that ends with its checksum and has the signed flag."""
+    def signature(self, signed_packet: bytes, link: int) -> bytes:
+        """Sign a packet that ends with its checksum and has the signed flag."""
         if self._key is None:
             raise ValueError("there is no key to sign with")
         self._last_sent = max(self._now(), self._last_sent + 1)
         stamp = self._last_sent
         tail = _LINK_AND_STAMP.pack(link, stamp & 0xFFFFFFFF, stamp >> 32)
-        return tail + _mac(self._key, signed_frame + tail)
+        return tail + _mac(self._key, signed_packet + tail)
 
     def judge(self, received: Received) -> Refusal | None:
-        """Accept a frame (None) and remember its stamp, or say why not and remember nothing."""
+        """Accept a packet (None) and remember its stamp, or say why not and remember nothing."""
         if self._key is None:
             return None
         if not received.is_signed:
@@ -103,7 +103,7 @@ class Signing:
         return self._take((link, received.system, received.component), low | high << 32)
 
     def _take(self, stream: Stream, stamp: int) -> Refusal | None:
-        """Judge the stamp of an authentic frame."""
+        """Judge the stamp of an authentic packet."""
         now, last = self._now(), self._streams.get(stream)
         if stamp > now + TOLERANCE:
             return Refusal.FUTURE

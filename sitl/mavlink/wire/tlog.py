@@ -1,6 +1,6 @@
 """Write the traffic of all links as a tlog, which ground stations and MAVLink tools read.
 
-A record is the time (big-endian, microseconds since 1970) and the raw frame. The two low bits of
+A record is the time (big-endian, microseconds since 1970) and the raw packet. The two low bits of
 the time are the link's number, where pymavlink looks for it. Times are the wall clock at the
 start plus vehicle time, so that rates read right at any speed. A long flight goes on in further
 files, flight.1.tlog after flight.tlog, each a log of its own.
@@ -17,7 +17,7 @@ from sitl.errors import UsageError
 TIME = struct.Struct(">Q")
 LINK_BITS = 0b11
 BUFFER_BYTES = 1 << 16
-MOST_BYTES = 256 << 20  # of one file: some hour and a half of both links
+MAX_BYTES = 256 << 20  # of one file: some hour and a half of both links
 
 _log = logging.getLogger(__name__)
 
@@ -35,7 +35,7 @@ class TlogWriter:
         *,
         unix_epoch_us: int,
         clock: Callable[[], int],
-        most_bytes: int = MOST_BYTES,
+        max_bytes: int = MAX_BYTES,
         option: str = "--log",
     ) -> None:
         """Create the file; `clock` gives vehicle time in us, `option` is what asked for it.
@@ -50,19 +50,19 @@ class TlogWriter:
             raise UsageError(f"{option} {path}: {error.strerror}") from None
         self._path = path  # of the first file
         self._parts = 1
-        self._most_bytes = most_bytes
+        self._max_bytes = max_bytes
         self._unix_epoch_us = unix_epoch_us
         self._buffer = bytearray()
         self._written = 0  # bytes, all whole records
         self._failed = False
         self.clock = clock
 
-    def record(self, *frames: bytes, link: int) -> None:
-        """Append frames of one moment, sent or received."""
+    def record(self, *packets: bytes, link: int) -> None:
+        """Append packets of one moment, sent or received."""
         if self._failed:
             return
         time_us = (self._unix_epoch_us + self.clock()) & ~LINK_BITS | link & LINK_BITS
-        self._buffer += TIME.pack(time_us).join((b"", *frames))
+        self._buffer += TIME.pack(time_us).join((b"", *packets))
         if len(self._buffer) >= BUFFER_BYTES:
             self.flush()
 
@@ -76,7 +76,7 @@ class TlogWriter:
             while rest:
                 rest = rest[self._file.write(rest) :]
             self._written += len(buffer)
-            if self._written >= self._most_bytes:
+            if self._written >= self._max_bytes:
                 self._go_on_in_next_file()
         except OSError as error:
             self._give_up(error)

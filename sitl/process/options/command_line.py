@@ -4,15 +4,16 @@ import argparse
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, NoReturn, TypeVar
+from typing import NoReturn, TypeVar
 
 from sitl.errors import UsageError
+from sitl.frames import HOME
 from sitl.process.options import values
 from sitl.process.options.values import Address
 from sitl.records.conditions import Conditions, read_conditions
+from sitl.records.course import Direction
 from sitl.records.motion import Vector3
 
-HOME = (47.397742, 8.545594, 489.4)  # deg, deg, m AMSL; PX4's default
 NOISE = (1.0, 2.0)  # GRN, GHN
 GCS_PORTS = (18570, 14550)  # local, remote, as PX4; the local one grows with the instance
 API_PORTS = (14580, 14540)  # both grow with the instance
@@ -31,7 +32,7 @@ class Options:
     seed: int
     track_seed: int
     noise_m: tuple[float, float]  # GRN, GHN
-    direction: Literal["cw", "ccw"]
+    direction: Direction
     laps: int
     speed_factor: float  # 0: as fast as possible
     lockstep: bool
@@ -60,7 +61,7 @@ class Options:
         return self.instance + 1
 
 
-class _Parser(argparse.ArgumentParser):
+class _UsageParser(argparse.ArgumentParser):
     """Errors are one line that says what to do."""
 
     def error(self, message: str) -> NoReturn:
@@ -113,7 +114,7 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = _UsageParser(
         prog="python -m sitl",
         description="A simulated PX4-style quadrotor with a camera, on a course of gates.",
         epilog="PX4_SIM_SPEED_FACTOR, PX4_HOME_LAT, PX4_HOME_LON, PX4_HOME_ALT and "
@@ -186,7 +187,7 @@ def _add_time(parser: argparse.ArgumentParser) -> None:
         help="1: real time; 0: as fast as possible",
     )
     running.add_argument(
-        "--lockstep", action="store_true", help="wait for an answer to each camera frame"
+        "--lockstep", action="store_true", help="wait for an answer to each camera image"
     )
     running.add_argument(
         "--ready-after",

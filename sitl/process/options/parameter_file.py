@@ -3,13 +3,13 @@
 A line is `system<TAB>component<TAB>name<TAB>value<TAB>type`; lines that begin with # are comments.
 """
 
-import contextlib
 import logging
 import os
 from pathlib import Path
 
 from sitl.autopilot.parameters import Parameters
 from sitl.errors import UsageError
+from sitl.process.options.file_replacement import replace_file
 
 HEADER = "# Parameters that differ from their defaults\n# Vehicle\tcomponent\tname\tvalue\ttype\n"
 FIELDS = 5
@@ -35,25 +35,19 @@ class ParameterFile:
         self._path = path.resolve()  # a link stays one
         self._parameters = parameters
         self._load()
-        self._saved_version = parameters.version
+        self._saved = parameters.values
 
     def save(self) -> None:
         """Write the file if a parameter has changed since; the old one is replaced as a whole."""
         parameters = self._parameters
-        if parameters.version == self._saved_version:
+        if parameters.values is self._saved:
             return
-        self._saved_version = parameters.version
+        self._saved = parameters.values
         lines = [self._line(name) for name in parameters.names() if self._is_changed(name)]
-        draft = self._path.with_name(self._path.name + ".new")
         try:
-            draft.write_text(HEADER + "".join(lines))
-            if self._path.exists():
-                draft.chmod(self._path.stat().st_mode)
-            os.replace(draft, self._path)  # noqa: PTH105  atomic
+            replace_file(self._path, HEADER + "".join(lines))
         except OSError as error:
             _log.error("parameters not saved to %s: %s", self._path, error.strerror)
-            with contextlib.suppress(OSError):
-                draft.unlink(missing_ok=True)
 
     def _load(self) -> None:
         folder = self._path.parent

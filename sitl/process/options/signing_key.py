@@ -1,10 +1,10 @@
 """The signing key on disk: 64 hexadecimal digits, or 32 bytes as they are; empty for none yet."""
 
 import logging
-import os
 from pathlib import Path
 
 from sitl.errors import UsageError
+from sitl.process.options.file_replacement import replace_file
 
 KEY_BYTES = 32
 OWNER_ONLY = 0o600
@@ -35,13 +35,8 @@ def read_key(path: Path) -> bytes | None:
 
 def write_key(path: Path, key: bytes | None) -> None:
     """Replace the file's key; if that fails, the key is good until the vehicle ends."""
-    fresh = path.with_name(f"{path.name}.new")
     try:
-        fresh.unlink(missing_ok=True)
-        descriptor = os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, OWNER_ONLY)
-        with os.fdopen(descriptor, "w") as file:
-            file.write("" if key is None else f"{key.hex()}\n")
-        fresh.replace(path)
+        replace_file(path, "" if key is None else f"{key.hex()}\n", mode=OWNER_ONLY)
     except OSError as error:
         _log.warning("signing key %s is not kept: %s", path, error.strerror)
 

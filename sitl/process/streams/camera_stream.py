@@ -1,6 +1,6 @@
 """Serve the camera as a stamped HTTP stream, without ever blocking the vehicle.
 
-A new client gets the latest frame at once. A client that cannot keep up skips frames: what it
+A new client gets the latest image at once. A client that cannot keep up skips images: what it
 is being sent is finished, then it gets the newest.
 """
 
@@ -9,10 +9,10 @@ import selectors
 import socket
 
 from sitl.errors import LinkError
-from sitl.process.streams.http_stream import MAX_REQUEST_BYTES, Encoding, answer, is_complete, part
-from sitl.records.images import Frame
+from sitl.process.options.values import LOOPBACK
+from sitl.process.streams.http_stream import MAX_REQUEST_BYTES, Coding, answer, is_complete, part
+from sitl.records.images import Image
 
-LOOPBACK = "127.0.0.1"
 MAX_CLIENTS = 16
 RECEIVE_BYTES = 4096
 
@@ -24,9 +24,9 @@ class _Client:
         self.connection = connection
         self.request = b""
         self.answered = False
-        self.encoding: Encoding | None = None  # of the stream it asked for
+        self.coding: Coding | None = None  # of the stream that it requested
         self.pending = memoryview(b"")
-        self.sequence = -1  # of the last frame that it was given
+        self.sequence = -1  # of the last image that it was given
 
 
 class CameraStream:
@@ -43,8 +43,8 @@ class CameraStream:
         self._listener = _listen(port)
         self._selector.register(self._listener, selectors.EVENT_READ)
         self._clients: dict[socket.socket, _Client] = {}
-        self._latest: Frame | None = None
-        self._parts: dict[str, bytes] = {}  # of the latest frame, by encoding
+        self._latest: Image | None = None
+        self._parts: dict[str, bytes] = {}  # of the latest image, by coding
         self.has_viewers = False  # anybody is connected to a stream
 
     def close(self) -> None:
@@ -68,12 +68,12 @@ class CameraStream:
         """Give what becomes readable when `serve` has something to do: the selector's own."""
         return self._selector.fileno()
 
-    def publish(self, frame: Frame) -> None:
-        """Give a new frame to everybody who is ready for it."""
-        self._latest = frame
+    def publish(self, image: Image) -> None:
+        """Give a new image to everybody who is ready for it."""
+        self._latest = image
         self._parts.clear()
         for client in list(self._clients.values()):
-            if client.encoding is not None and not client.pending:
+            if client.coding is not None and not client.pending:
                 self._flush(client)
 
     def serve(self, timeout_s: float = 0.0) -> None:
@@ -121,7 +121,7 @@ class CameraStream:
         client.request += data
         if is_complete(client.request):
             client.answered = True
-            head, client.encoding = answer(client.request)
+            head, client.coding = answer(client.request)
             self._count_viewers()
             client.pending = memoryview(head)
             self._flush(client)
@@ -129,7 +129,7 @@ class CameraStream:
             self._drop(client)
 
     def _flush(self, client: _Client) -> None:
-        """Send as much as the connection takes, the newest frame last."""
+        """Send as much as the connection takes, the newest image last."""
         while True:
             if not client.pending:
                 client.pending = memoryview(self._next_part(client))
@@ -146,19 +146,19 @@ class CameraStream:
                 self._drop(client)
                 return
             client.pending = client.pending[sent:]
-        if client.encoding is None:
+        if client.coding is None:
             self._drop(client)
         else:
             self._selector.modify(client.connection, selectors.EVENT_READ, client)
 
     def _next_part(self, client: _Client) -> bytes:
-        frame, encoding = self._latest, client.encoding
-        if frame is None or encoding is None or frame.sequence <= client.sequence:
+        image, coding = self._latest, client.coding
+        if image is None or coding is None or image.sequence <= client.sequence:
             return b""
-        client.sequence = frame.sequence
-        if encoding.suffix not in self._parts:
-            self._parts[encoding.suffix] = part(frame, encoding)
-        return self._parts[encoding.suffix]
+        client.sequence = image.sequence
+        if coding.suffix not in self._parts:
+            self._parts[coding.suffix] = part(image, coding)
+        return self._parts[coding.suffix]
 
     def _drop(self, client: _Client) -> None:
         del self._clients[client.connection]
@@ -167,7 +167,7 @@ class CameraStream:
         self._count_viewers()
 
     def _count_viewers(self) -> None:
-        self.has_viewers = any(client.encoding is not None for client in self._clients.values())
+        self.has_viewers = any(client.coding is not None for client in self._clients.values())
 
 
 def _listen(port: int) -> socket.socket:

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from sitl.records.images import Frame
+from sitl.records.images import Image
 
 BOUNDARY = b"frame"
 MAX_REQUEST_BYTES = 8192
@@ -28,7 +28,7 @@ image-rendering:pixelated}</style></head>
 
 
 @dataclass(frozen=True, slots=True)
-class Encoding:
+class Coding:
     """How the images of a stream are coded."""
 
     suffix: str
@@ -42,9 +42,9 @@ class Encoding:
         return bytes(data)
 
 
-PNG = Encoding(".png", b"image/png", PNG_OPTIONS)  # lossless: what a companion takes
-JPEG = Encoding(".jpg", b"image/jpeg", JPEG_OPTIONS)  # what OpenCV and ffmpeg open
-STREAMS: Mapping[str, Encoding] = {"/stream": PNG, "/stream.mjpg": JPEG}
+PNG = Coding(".png", b"image/png", PNG_OPTIONS)  # lossless: what a companion takes
+JPEG = Coding(".jpg", b"image/jpeg", JPEG_OPTIONS)  # what OpenCV and ffmpeg open
+STREAMS: Mapping[str, Coding] = {"/stream": PNG, "/stream.mjpg": JPEG}
 STREAM_HEAD = (
     b"HTTP/1.1 200 OK\r\nConnection: close\r\nCache-Control: no-store\r\n"
     b"Content-Type: multipart/x-mixed-replace; boundary=" + BOUNDARY + b"\r\n\r\n"
@@ -57,8 +57,8 @@ def is_complete(request: bytes) -> bool:
     return b"\r\n\r\n" in request or b"\n\n" in request
 
 
-def answer(request: bytes) -> tuple[bytes, Encoding | None]:
-    """Answer a request's head; with an encoding, images follow, without, the answer is all."""
+def answer(request: bytes) -> tuple[bytes, Coding | None]:
+    """Answer a request's head; with a coding, images follow, without, the answer is all."""
     method, _, rest = request.split(b"\n", 1)[0].strip().partition(b" ")
     path = rest.split(b" ", 1)[0].split(b"?", 1)[0].decode("latin-1")
     if method != b"GET":
@@ -70,19 +70,19 @@ def answer(request: bytes) -> tuple[bytes, Encoding | None]:
     return _page(b"404 Not Found", b"there are /, /stream and /stream.mjpg\n"), None
 
 
-def part(frame: Frame, encoding: Encoding) -> bytes:
+def part(image: Image, coding: Coding) -> bytes:
     """Wrap one image; the boundary follows it, so that browsers show it at once."""
-    data = encoding.encode(frame.rgb)
-    seconds, microseconds = divmod(frame.time_us, 1_000_000)
+    data = coding.encode(image.rgb)
+    seconds, microseconds = divmod(image.time_us, 1_000_000)
     head = (
         f"Content-Length: {len(data)}\r\n"
         f"X-Timestamp: {seconds}.{microseconds:06d}\r\n"
-        f"X-Sequence: {frame.sequence}\r\n\r\n"
+        f"X-Sequence: {image.sequence}\r\n\r\n"
     )
     return b"".join(
         (
             b"Content-Type: ",
-            encoding.content_type,
+            coding.content_type,
             b"\r\n",
             head.encode(),
             data,

@@ -13,7 +13,7 @@ import numpy as np
 
 from sitl.errors import LinkError, UsageError
 from sitl.process.options.values import Address
-from sitl.records.images import Frame
+from sitl.records.images import Image
 
 if TYPE_CHECKING:
     from av import VideoStream
@@ -57,11 +57,11 @@ class VideoSender:
         self._stream.codec_context.time_base = MICROSECOND
         self._stream.codec_context.gop_size = rate_hz
 
-    def publish(self, frame: Frame) -> None:
+    def publish(self, image: Image) -> None:
         """Send one picture; it is lost if nobody is there."""
-        enlarged = np.repeat(np.repeat(frame.rgb, ENLARGED, axis=0), ENLARGED, axis=1)
+        enlarged = np.repeat(np.repeat(image.rgb, ENLARGED, axis=0), ENLARGED, axis=1)
         picture = self._av.VideoFrame.from_ndarray(enlarged, format="rgb24")
-        picture.pts, picture.time_base = frame.time_us, MICROSECOND
+        picture.pts, picture.time_base = image.time_us, MICROSECOND
         for packet in self._stream.encode(picture):
             with suppress(OSError):
                 self._container.mux(packet)

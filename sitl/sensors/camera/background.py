@@ -1,4 +1,4 @@
-"""Ground and sky behind the gates, one ray a pixel: cheaper and finer than textured polygons.
+"""Ground and sky behind the gates, one ray per pixel: cheaper and finer than textured polygons.
 
 pybullet's software renderer spends most of its time on a ground that fills half the image; one
 vectorised look-up in a tileable texture gives the same ground, with haze, in a tenth of a
@@ -15,7 +15,7 @@ from sitl.sensors.camera.look import TEXTURE_SIZE, Colour, Look, make_texture
 
 CLOUD_HEIGHT_M = 60.0
 CLOUD_TILE_M = 300.0
-LEAST_SLOPE = 0.02  # rays flatter than this see haze only
+MIN_SLOPE = 0.02  # rays flatter than this see haze only
 TEXTURE_MASK = TEXTURE_SIZE - 1  # its size is a power of two
 
 
@@ -35,7 +35,7 @@ class Background:
         slope = rays[2] / self._norms  # sine of the angle below the horizon
         altitude = np.float32(max(0.05, -float(position_ned[2])))
         is_ground = slope > 0.0
-        steep = np.maximum(np.abs(slope), LEAST_SLOPE) * self._norms
+        steep = np.maximum(np.abs(slope), MIN_SLOPE) * self._norms
         reach = np.where(is_ground, altitude, CLOUD_HEIGHT_M) / steep
         north = position_ned[0] + rays[0] * reach
         east = position_ned[1] + rays[1] * reach

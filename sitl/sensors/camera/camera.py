@@ -106,7 +106,7 @@ class Camera:
             flags=pybullet.ER_NO_SEGMENTATION_MASK,
             physicsClientId=self._client,
         )
-        pixels = rgba.view(np.uint32)  # one number a pixel: four times fewer to clear
+        pixels = rgba.view(np.uint32)  # one number per pixel: four times fewer to clear
         pixels *= (depth < 1.0)[..., None]  # where nothing was drawn
         if self.look.fog_m < math.inf:
             self._veil(rgba, depth)

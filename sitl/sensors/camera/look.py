@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 GROUND_TEXTURES = 24  # distinct seeded textures to draw from
-TEXTURE_SIZE = 256  # texels a side; textures tile
-LEAST_CONTRAST = 0.02  # that an eye still sees: it defines the visibility
+TEXTURE_SIZE = 256  # texels per side; textures tile
+MIN_CONTRAST = 0.02  # that an eye still sees: it defines the visibility
 
 Colour = tuple[float, float, float]  # linear RGB, 0..1
 
@@ -73,7 +73,7 @@ def in_fog(look: Look, visibility_m: float) -> Look:
     """Let fog come up, which takes 98 % of the contrast on that way (Koschmieder's visibility)."""
     if math.isinf(visibility_m):
         return look
-    fog_m = visibility_m / -math.log(LEAST_CONTRAST)
+    fog_m = visibility_m / -math.log(MIN_CONTRAST)
     haze_m = 1.0 / (1.0 / look.haze_m + 1.0 / fog_m)
     return replace(look, fog_m=fog_m, haze_m=haze_m, sky_zenith=look.sky_horizon, cloudiness=0.0)
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from sitl.clock import SECOND_US
 from sitl.records.conditions import CameraFaults
-from sitl.records.images import Frame, FrameStamp
+from sitl.records.images import Image, ImageStamp
 from sitl.sensors.camera.picture import blurred, noisy
 
 
@@ -35,33 +35,33 @@ class Spoiler:
 
 
 class Delay:
-    """Frames that are under way: each comes out, its stamp unchanged, a fixed time after it.
+    """Images that are under way: each comes out, its stamp unchanged, a fixed time after it.
 
-    The very first comes out at once, so that whoever waits for a frame to begin with gets one.
+    The very first comes out at once, so that whoever waits for an image to begin with gets one.
     """
 
     def __init__(self, latency_s: float) -> None:
         self._latency_us = round(latency_s * SECOND_US)
-        self._under_way: deque[Frame] = deque()
+        self._under_way: deque[Image] = deque()
         self._is_first = True
 
-    def put(self, frame: Frame) -> None:
-        """Send a frame on its way."""
-        self._under_way.append(frame)
+    def put(self, image: Image) -> None:
+        """Send an image on its way."""
+        self._under_way.append(image)
 
     def is_due(self, time_us: int) -> bool:
-        """Whether a frame comes out now."""
+        """Whether an image comes out now."""
         if not self._under_way:
             return False
         return self._is_first or time_us - self._under_way[0].time_us >= self._latency_us
 
     @property
-    def first_stamp(self) -> FrameStamp:
-        """Time and number of the frame that comes out next."""
+    def first_stamp(self) -> ImageStamp:
+        """Time and number of the image that comes out next."""
         first = self._under_way[0]
-        return FrameStamp(first.time_us, first.sequence)
+        return ImageStamp(first.time_us, first.sequence)
 
-    def take(self) -> Frame:
-        """Take the frame that is due."""
+    def take(self) -> Image:
+        """Take the image that is due."""
         self._is_first = False
         return self._under_way.popleft()

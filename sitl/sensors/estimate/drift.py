@@ -12,15 +12,13 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from sitl.clock import SECOND_US, TICK_US
+from sitl.clock import SECOND_US, TICK_S
 from sitl.frames import GRAVITY_M_S2
 from sitl.records.motion import Quaternion, Vector3
 
-TICK_S = TICK_US / SECOND_US
-
 
 class Process(NamedTuple):
-    """A first-order Gauss-Markov process, a tick a step."""
+    """A first-order Gauss-Markov process, one step per tick."""
 
     std: float
     time_constant_s: float

@@ -9,9 +9,9 @@ CUTOFF_HZ = 40.0  # PX4 IMU_GYRO_CUTOFF
 
 
 class GyroFilter:
-    """A second-order Butterworth low pass on each axis, a sample a tick; it starts at rest.
+    """A second-order Butterworth low pass on each axis, one sample per tick; it starts at rest.
 
-    Transposed direct form of the bilinear transform: two numbers of memory an axis.
+    Transposed direct form of the bilinear transform: two numbers of memory per axis.
     """
 
     def __init__(self, cutoff_hz: float = CUTOFF_HZ) -> None:

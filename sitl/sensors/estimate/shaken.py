@@ -13,17 +13,18 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from sitl.clock import TICK_S
 from sitl.frames import GRAVITY_M_S2
 from sitl.records.motion import Vector3
-from sitl.sensors.estimate.drift import TICK_S, Drift
+from sitl.sensors.estimate.drift import Drift
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
 
 
 class Pull(NamedTuple):
-    """What a second of aiding takes off an error, for each unit of the velocity's and position's.
+    """What aiding takes off an error per second, for each unit of the velocity's and position's.
 
-    That is the filter's gain, a minute after it began, times the measurements a second. Source:
+    That is the filter's gain, a minute after it began, times the measurements per second. Source:
     PX4's defaults EKF2_ACC_NOISE 0.35, EKF2_GYR_NOISE 0.015, EKF2_ACC_B_NOISE 0.003,
     EKF2_GYR_B_NOISE 0.001, EKF2_BARO_NOISE 3.5 (at 20 Hz), a filter step of 10 ms, and the accuracy
     that its simulated receiver tells at 8 Hz: 0.4 m/s (vertically taken 1.5 fold), 0.9 m, 1.78 m.
@@ -52,7 +53,10 @@ class ShakenDrift(Drift):
         self._specific_force_ned = self._rates_ned = ZERO
         self.z_deriv_m_s = 0.0  # how fast the position's error grows, down
         super().__init__(noise)
-        self.restart()
+        self._tilt = self._draw_tilt()
+        self._vx, self._x = self._draw_axis(0)
+        self._vy, self._y = self._draw_axis(0)
+        self._vz, self._z = self._draw_axis(1)
         horizontal, vertical = POSITION_STD_M
         self.aided_m = (share * math.sqrt(2.0) * horizontal, share * vertical)
 
@@ -64,21 +68,21 @@ class ShakenDrift(Drift):
         x, y, z = rates_ned
         self._rates_ned = (share * x, share * y, share * z)
 
-    def restart(self, *, xy_aided: bool = True, z_aided: bool = True) -> None:
+    def restart(self, *, xy_aided: bool, z_aided: bool) -> None:
         """Start the filter anew, its inertial unit back: forget what is not lost for good.
 
         The heading's error stays, and so do those of velocity and position that nothing aids.
         """
-        self._tilt = (self._draw(TILT_STD_RAD), self._draw(TILT_STD_RAD))
+        self._tilt = self._draw_tilt()
         if xy_aided:
             self.restart_xy()
         if z_aided:
-            self._vz, self._z = self._draw(VELOCITY_STD_M_S[1]), self._draw(POSITION_STD_M[1])
+            self._vz, self._z = self._draw_axis(1)
 
     def restart_xy(self) -> None:
         """Forget a position that has run away: the filter starts anew from the receiver."""
-        self._vx, self._x = self._draw(VELOCITY_STD_M_S[0]), self._draw(POSITION_STD_M[0])
-        self._vy, self._y = self._draw(VELOCITY_STD_M_S[0]), self._draw(POSITION_STD_M[0])
+        self._vx, self._x = self._draw_axis(0)
+        self._vy, self._y = self._draw_axis(0)
 
     def advance(self, *, xy_aided: bool, z_aided: bool, heading_aided: bool) -> None:
         """Move by one tick."""
@@ -123,6 +127,13 @@ class ShakenDrift(Drift):
         self._z = z + TICK_S * self.z_deriv_m_s
         by_v, by_z = Z_VELOCITY
         self._vz = vz + TICK_S * (down - by_v * vz - by_z * z)
+
+    def _draw_tilt(self) -> tuple[float, float]:
+        return self._draw(TILT_STD_RAD), self._draw(TILT_STD_RAD)
+
+    def _draw_axis(self, index: int) -> tuple[float, float]:
+        """Draw a velocity error and a position error, horizontal (0) or vertical (1)."""
+        return self._draw(VELOCITY_STD_M_S[index]), self._draw(POSITION_STD_M[index])
 
     def _draw(self, std: float) -> float:
         return self._share * std * next(self._noise)

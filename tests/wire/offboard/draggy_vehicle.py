@@ -18,10 +18,12 @@ ROTORS = 4
 def load_draggy(name: str) -> Airframe:
     """Load an airframe and add the frame's drag that it has too little of."""
     airframe = load_airframe(name)
-    hover_rad_s = airframe.rotor_max_speed_rad_s * math.sqrt(airframe.hover_thrust)
+    hover_rad_s = airframe.rotors.max_speed_rad_s * math.sqrt(airframe.hover_thrust)
     wanted = SIH_DRAG_1_S * airframe.mass_kg
-    in_plane = wanted - ROTORS * airframe.rotor_drag_n_s2_m * hover_rad_s
-    return dataclasses.replace(airframe, linear_drag_n_s_m=(in_plane, in_plane, wanted))
+    in_plane = wanted - ROTORS * airframe.rotors.drag_coefficient_n_s2_m * hover_rad_s
+    return dataclasses.replace(
+        airframe, drag=dataclasses.replace(airframe.drag, linear_n_s_m=(in_plane, in_plane, wanted))
+    )
 
 
 if __name__ == "__main__":

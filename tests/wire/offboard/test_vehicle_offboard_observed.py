@@ -16,8 +16,8 @@ from pymavlink.dialects.v20 import development as mavlink
 from tests.wire.lockstep_pilot import (
     ACTIVE,
     BEAT_S,
-    FRAME_S,
     HOME_AMSL_M,
+    IMAGE_S,
     LOCAL_NED,
     SET_MODE,
     SILENCE,
@@ -158,7 +158,7 @@ def test_few_setpoints_keep_offboard(pilot: LockstepPilot) -> None:
     """2.5 Hz is enough."""
     heard: list[Heard] = []
     for _ in range(10):
-        heard += pilot.fly(FRAME_S) + pilot.fly(7 * FRAME_S, SILENCE)
+        heard += pilot.fly(IMAGE_S) + pilot.fly(7 * IMAGE_S, SILENCE)
     assert texts(heard) == []
     assert shown(heard) == {(OFFBOARD, 145, ACTIVE)}
 
@@ -170,7 +170,7 @@ def test_gaps(pilot: LockstepPilot, gap_s: float, *, harmless: bool) -> None:
     """The last velocity is kept until the time is over, and a short gap changes nothing."""
     choose(pilot, 0)
     pilot.fly(3.0, FORWARD)
-    heard = pilot.fly(min(gap_s, 0.95) - FRAME_S, SILENCE)
+    heard = pilot.fly(min(gap_s, 0.95) - IMAGE_S, SILENCE)
     assert speeds_along(heard)[0] == pytest.approx(1.0, abs=0.4)
     heard += pilot.fly(max(gap_s - 0.95, 0.0), SILENCE)
     heard += pilot.fly(2.0)
@@ -212,11 +212,11 @@ def test_a_lost_stream_leads_where_the_parameter_says_and_back(
     is_beat = is_from(1, "HEARTBEAT")
     told_s = [h.time_s for h in heard if is_beat(h.message)]
     gaps_s = [b - a for a, b in itertools.pairwise(told_s)]
-    assert max(gaps_s) < BEAT_S + READ_S + FRAME_S
-    assert min(gaps_s) > BEAT_S - READ_S - FRAME_S  # a change of mode is not pushed
+    assert max(gaps_s) < BEAT_S + READ_S + IMAGE_S
+    assert min(gaps_s) > BEAT_S - READ_S - IMAGE_S  # a change of mode is not pushed
     later = [h for h in heard if h.time_s > failed.time_s + READ_S]
     assert shown(later) == {(loss.custom_mode, loss.base_mode, CRITICAL)}
-    back = pilot.fly(BEAT_S + 2 * FRAME_S)
+    back = pilot.fly(BEAT_S + 2 * IMAGE_S)
     assert texts(back) == []
     beat = last(back, "HEARTBEAT")
     assert (beat.custom_mode, beat.base_mode, beat.system_status) == (OFFBOARD, 145, ACTIVE)
@@ -242,7 +242,7 @@ def test_a_mode_that_cannot_be_flown_is_refused(
 ) -> None:
     """Taken by the receiver, refused by the commander; nothing changes."""
     pilot.gcs.command(SET_MODE, 1.0, *map(float, numbers))
-    heard = pilot.fly(BEAT_S + 2 * FRAME_S)
+    heard = pilot.fly(BEAT_S + 2 * IMAGE_S)
     assert [ack.result for ack in named(heard, "COMMAND_ACK")] == [0, 1]
     expected = f"Switching to {REFUSED[numbers]} is currently not available\t"
     assert "".join(texts(heard)) == expected
@@ -254,7 +254,7 @@ def test_a_return_says_how_high(pilot: LockstepPilot) -> None:
     """From afar, at PX4's home in 491 m: "start return at 521 m (30 m above destination)"."""
     pilot.fly(6.0, Setpoint((20.0, 0.0, 0.0)))
     pilot.gcs.command(SET_MODE, 1.0, 4.0, 5.0)
-    heard = pilot.fly(BEAT_S + 2 * FRAME_S)
+    heard = pilot.fly(BEAT_S + 2 * IMAGE_S)
     said = "".join(texts(heard))
     height_m = int(said.removeprefix("RTL: start return at ").split()[0])
     assert said == f"RTL: start return at {height_m} m (30 m above destination)\t"
@@ -269,7 +269,7 @@ def test_a_ground_station_may_be_lost(pilot: LockstepPilot) -> None:
     heard = pilot.fly(12.5)
     assert texts(heard) == ["Connection to ground station lost\t"]
     pilot.says_hello = True
-    heard += pilot.fly(BEAT_S + 2 * FRAME_S)
+    heard += pilot.fly(BEAT_S + 2 * IMAGE_S)
     assert texts(heard)[1:] == ["GCS connection regained\t"]
     assert {m.severity for m in named(heard, "STATUSTEXT")} == {6}
     assert shown(heard) == {(OFFBOARD, 145, ACTIVE)}

@@ -12,7 +12,7 @@ from tests.wire.vehicle_process import Vehicle, is_acknowledgement
 
 pytestmark = pytest.mark.flight
 CAMERA = 100
-FRAME_GAPS_US = {48_000, 52_000}  # 20 Hz on 4 ms ticks
+IMAGE_GAPS_US = {48_000, 52_000}  # 20 Hz on 4 ms ticks
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def test_images_are_lossless_stamped_and_regular(uri: str) -> None:
     with StreamViewer(uri) as viewer:
         parts = [viewer.read() for _ in range(12)]
     gaps = {b.time_us - a.time_us for a, b in itertools.pairwise(parts)}
-    assert gaps <= FRAME_GAPS_US
+    assert gaps <= IMAGE_GAPS_US
     assert [part.sequence for part in parts] == list(
         range(parts[0].sequence, parts[0].sequence + 12)
     )

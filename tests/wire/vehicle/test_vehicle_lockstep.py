@@ -13,7 +13,7 @@ from tests.wire.stream_viewer import StreamViewer
 from tests.wire.vehicle_process import Vehicle, is_from
 
 pytestmark = pytest.mark.flight
-FRAMES = 420  # 21 s: some 8 until it can be armed, take-off, and a flight in offboard
+IMAGES = 420  # 21 s: some 8 until it can be armed, take-off, and a flight in offboard
 ARM_AT, TAKE_OFF_AT, OFFBOARD_AT = 220, 225, 320
 TRUTH_US = 20_000
 NAN = float("nan")
@@ -26,8 +26,8 @@ class Truth(NamedTuple):
     payload: bytes
 
 
-def fly(vehicle: Vehicle, delays: np.random.Generator | None, frames: int = FRAMES) -> list[Truth]:
-    """Fly a fixed plan, answering each frame, some late; give the truth at every 20 ms."""
+def fly(vehicle: Vehicle, delays: np.random.Generator | None, images: int = IMAGES) -> list[Truth]:
+    """Fly a fixed plan, answering each image, some late; give the truth at every 20 ms."""
     api, truths = vehicle.api, []
     api.wait_for(is_from(100, "HEARTBEAT"))
     api.command(511, mavlink.MAVLINK_MSG_ID_HIL_STATE_QUATERNION, TRUTH_US)
@@ -35,7 +35,7 @@ def fly(vehicle: Vehicle, delays: np.random.Generator | None, frames: int = FRAM
     api.command(512, 269, target=(1, 100))
     uri = api.wait_for("VIDEO_STREAM_INFORMATION").uri
     with StreamViewer(uri) as viewer:
-        for number in range(frames):
+        for number in range(images):
             part = viewer.read()
             assert part.sequence == number  # none is missed, none comes before its answer
             if number > 0:  # the first was announced before we came
@@ -49,14 +49,14 @@ def fly(vehicle: Vehicle, delays: np.random.Generator | None, frames: int = FRAM
 
 
 def take_truths(api: Any, until_us: int) -> list[Truth]:
-    """Take what came until the frame's trigger."""
+    """Take what came until the image's trigger."""
     truths = []
     for message in api.messages():
         if message.get_type() == "HIL_STATE_QUATERNION":
             truths.append(Truth(message.time_usec, bytes(message.get_msgbuf()[10:-2])))
         if message.get_type() == "CAMERA_TRIGGER" and message.time_usec == until_us:
             return truths
-    raise AssertionError(f"no trigger of the frame at {until_us} us")
+    raise AssertionError(f"no trigger of the image at {until_us} us")
 
 
 def altitude_m(truth: Truth) -> float:
@@ -95,7 +95,7 @@ def test_the_same_messages_fly_the_same_flight_at_any_speed() -> None:
         with Vehicle("-q", "--lockstep", f"--speed-factor={speed_factor}") as vehicle:
             flights.append(fly(vehicle, delays))
     first = flights[0]
-    assert len(first) > 0.95 * FRAMES * 50_000 / TRUTH_US
+    assert len(first) > 0.95 * IMAGES * 50_000 / TRUTH_US
     gaps = {b.time_us - a.time_us for a, b in itertools.pairwise(first[1:])}
     assert gaps == {TRUTH_US}
     assert altitude_m(first[-1]) - altitude_m(first[1]) > 1.5  # it flew
@@ -103,7 +103,7 @@ def test_the_same_messages_fly_the_same_flight_at_any_speed() -> None:
         assert other == first
 
 
-def test_time_stands_until_the_first_frame_is_answered_and_the_vehicle_can_be_asked() -> None:
+def test_time_stands_until_the_first_image_is_answered_and_the_vehicle_can_be_asked() -> None:
     with Vehicle("-q", "--lockstep", "--speed-factor=0") as vehicle:
         beats = [vehicle.gcs.wait_for(is_from(1, "HEARTBEAT")) for _ in range(3)]
         assert {beat.custom_mode for beat in beats} == {0x03040000}
@@ -133,13 +133,13 @@ def test_time_runs_free_when_the_viewer_leaves() -> None:
         assert time.monotonic() - begun_s > 0.7  # real time, although --speed-factor is 0
 
 
-def test_a_late_camera_is_answered_by_the_stamps_of_its_frames() -> None:
+def test_a_late_camera_is_answered_by_the_stamps_of_its_images() -> None:
     flights = []
     for delays in (None, np.random.default_rng(3)):
         with Vehicle(
             *("-q", "--lockstep", "--speed-factor=0", "--condition=camera.latency_s=0.1")
         ) as vehicle:
-            flights.append(fly(vehicle, delays, frames=60))
+            flights.append(fly(vehicle, delays, images=60))
     first, other = flights
     assert first == other
     stamps = [truth.time_us for truth in first]

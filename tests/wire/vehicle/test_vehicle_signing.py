@@ -22,7 +22,7 @@ def test_only_who_has_the_key_is_obeyed(tmp_path: Path) -> None:
             client.codec.signing.secret_key = KEY
         vehicle.wait_until_up()
         gcs.command(520)
-        gcs.codec.signing.sign_outgoing = True  # its stamp came with the vehicle's frames
+        gcs.codec.signing.sign_outgoing = True  # its stamp came with the vehicle's packets
         gcs.command(512, 148)
         answers = (520, 512)
         first = gcs.wait_for(

@@ -16,12 +16,12 @@ from sitl.mavlink.servers.files.file_transfer import (
     ACK,
     DATA_BYTES,
     NAK,
-    Answer,
+    FileQuery,
+    FileReply,
     Opcode,
     Problem,
-    Question,
     accept,
-    read_question,
+    read_query,
     refuse,
 )
 from sitl.mavlink.servers.files.vehicle_files import ForbiddenPathError, VehicleFiles
@@ -67,9 +67,9 @@ class FileServer:
         self._clock = clock
         self._refusals = refusals or Refusals()
         self._sessions: dict[int, _Session] = {}
-        self._answered: OrderedDict[Client, tuple[Question, list[bytes]]] = OrderedDict()
-        self._answers: Mapping[int, Callable[[Question], list[Answer]]] = {
-            Opcode.NONE: lambda question: [Answer(question.session, b"")],
+        self._answered: OrderedDict[Client, tuple[FileQuery, list[bytes]]] = OrderedDict()
+        self._answers: Mapping[int, Callable[[FileQuery], list[FileReply]]] = {
+            Opcode.NONE: lambda query: [FileReply(query.session, b"")],
             Opcode.TERMINATE_SESSION: self._terminate,
             Opcode.RESET_SESSIONS: self._reset,
             Opcode.LIST_DIRECTORY: self._list,
@@ -86,14 +86,14 @@ class FileServer:
 
     def answer(self, message: Message, request: Request) -> None:
         """Answer FILE_TRANSFER_PROTOCOL."""
-        question = read_question(bytes(message.payload))
-        if question.opcode in (ACK, NAK):
+        query = read_query(bytes(message.payload))
+        if query.opcode in (ACK, NAK):
             return
         client = (request.outlet, request.system, request.component)
-        asked, payloads = self._answered.get(client, (None, []))
-        if asked != question:
-            payloads = self._reply(question)
-            self._answered[client] = (question, payloads)
+        last, payloads = self._answered.get(client, (None, []))
+        if last != query:
+            payloads = self._reply(query)
+            self._answered[client] = (query, payloads)
             self._answered.move_to_end(client)
             while len(self._answered) > MAX_CLIENTS:
                 self._answered.popitem(last=False)
@@ -104,21 +104,21 @@ class FileServer:
                 )
             )
 
-    def _reply(self, question: Question) -> list[bytes]:
+    def _reply(self, query: FileQuery) -> list[bytes]:
         try:
-            answers = self._answer(question)
+            answers = self._answer(query)
         except FileProblemError as error:
-            return [refuse(question, error.problem)]
-        return [accept(question, answer, number) for number, answer in enumerate(answers)]
+            return [refuse(query, error.problem)]
+        return [accept(query, answer, number) for number, answer in enumerate(answers)]
 
-    def _answer(self, question: Question) -> list[Answer]:
-        if question.size > DATA_BYTES:
+    def _answer(self, query: FileQuery) -> list[FileReply]:
+        if query.size > DATA_BYTES:
             raise FileProblemError(Problem.INVALID_SIZE)
-        answer = self._answers.get(question.opcode)
+        answer = self._answers.get(query.opcode)
         if answer is None:
             raise FileProblemError(Problem.UNKNOWN_COMMAND)
         try:
-            return answer(question)
+            return answer(query)
         except ForbiddenPathError:
             self._refusals.note([Refusal.FILE_ACCESS])
             raise FileProblemError(Problem.PROTECTED) from None
@@ -127,18 +127,18 @@ class FileServer:
         except OSError:
             raise FileProblemError(Problem.FAIL) from None
 
-    def _terminate(self, question: Question) -> list[Answer]:
-        if question.session not in self._sessions:
+    def _terminate(self, query: FileQuery) -> list[FileReply]:
+        if query.session not in self._sessions:
             raise FileProblemError(Problem.INVALID_SESSION)
-        self._end(question.session)
-        return [Answer(question.session, b"")]
+        self._end(query.session)
+        return [FileReply(query.session, b"")]
 
-    def _reset(self, _question: Question) -> list[Answer]:
+    def _reset(self, _query: FileQuery) -> list[FileReply]:
         self.close()
-        return [Answer(0, b"")]
+        return [FileReply(0, b"")]
 
-    def _list(self, question: Question) -> list[Answer]:
-        entries = self._files.entries(question.path)[question.offset :]
+    def _list(self, query: FileQuery) -> list[FileReply]:
+        entries = self._files.entries(query.path)[query.offset :]
         if not entries:
             raise FileProblemError(Problem.END_OF_FILE)
         data = b""
@@ -150,48 +150,48 @@ class FileServer:
             if len(data) + len(encoded) > DATA_BYTES:
                 break
             data += encoded
-        return [Answer(question.session, data, question.offset)]
+        return [FileReply(query.session, data, query.offset)]
 
-    def _open(self, question: Question) -> list[Answer]:
+    def _open(self, query: FileQuery) -> list[FileReply]:
         number = self._free_session()
-        descriptor = self._files.open(question.path)
+        descriptor = self._files.open(query.path)
         size = os.fstat(descriptor).st_size
         self._sessions[number] = _Session(descriptor, size, self._clock())
-        return [Answer(number, SIZE.pack(min(size, 0xFFFFFFFF)))]
+        return [FileReply(number, SIZE.pack(min(size, 0xFFFFFFFF)))]
 
-    def _read(self, question: Question) -> list[Answer]:
-        data = self._piece(question, question.offset)
-        return [Answer(question.session, data, question.offset)]
+    def _read(self, query: FileQuery) -> list[FileReply]:
+        data = self._piece(query, query.offset)
+        return [FileReply(query.session, data, query.offset)]
 
-    def _burst(self, question: Question) -> list[Answer]:
-        answers: list[Answer] = []
-        size = self._session(question).size
-        end = min(size, question.offset + BURST_PACKETS * (question.size or DATA_BYTES))
-        offset = question.offset
+    def _burst(self, query: FileQuery) -> list[FileReply]:
+        answers: list[FileReply] = []
+        size = self._session(query).size
+        end = min(size, query.offset + BURST_PACKETS * (query.size or DATA_BYTES))
+        offset = query.offset
         while offset < end or not answers:
-            data = self._piece(question, offset)
-            answers.append(Answer(question.session, data, offset, is_last=False))
+            data = self._piece(query, offset)
+            answers.append(FileReply(query.session, data, offset, is_last=False))
             offset += len(data)
         return [*answers[:-1], answers[-1]._replace(is_last=True)]
 
-    def _piece(self, question: Question, offset: int) -> bytes:
-        session = self._session(question)
-        wanted = min(question.size or DATA_BYTES, max(0, session.size - offset))
+    def _piece(self, query: FileQuery, offset: int) -> bytes:
+        session = self._session(query)
+        wanted = min(query.size or DATA_BYTES, max(0, session.size - offset))
         data = os.pread(session.descriptor, wanted, offset) if wanted else b""
         if not data:
             raise FileProblemError(Problem.END_OF_FILE)
         return data
 
-    def _checksum(self, question: Question) -> list[Answer]:
-        descriptor = self._files.open(question.path)
+    def _checksum(self, query: FileQuery) -> list[FileReply]:
+        descriptor = self._files.open(query.path)
         with os.fdopen(descriptor, "rb") as file:
             content = file.read(MAX_CRC_BYTES + 1)
         if len(content) > MAX_CRC_BYTES:
             raise FileProblemError(Problem.FAIL)
-        return [Answer(question.session, SIZE.pack(crc32(content)))]
+        return [FileReply(query.session, SIZE.pack(crc32(content)))]
 
-    def _session(self, question: Question) -> _Session:
-        session = self._sessions.get(question.session)
+    def _session(self, query: FileQuery) -> _Session:
+        session = self._sessions.get(query.session)
         if session is None:
             raise FileProblemError(Problem.INVALID_SESSION)
         session.used_us = self._clock()

@@ -11,7 +11,7 @@ ACK, NAK = 128, 129
 
 
 class Opcode(IntEnum):
-    """What may be asked for."""
+    """What may be requested."""
 
     NONE = 0
     TERMINATE_SESSION = 1
@@ -36,7 +36,7 @@ class Problem(IntEnum):
     NOT_FOUND = 10
 
 
-class Question(NamedTuple):
+class FileQuery(NamedTuple):
     """One request, as it was sent."""
 
     sequence: int
@@ -53,7 +53,7 @@ class Question(NamedTuple):
         return text.decode(errors="surrogateescape")
 
 
-class Answer(NamedTuple):
+class FileReply(NamedTuple):
     """One reply."""
 
     session: int
@@ -62,25 +62,25 @@ class Answer(NamedTuple):
     is_last: bool = True  # of a burst
 
 
-def read_question(payload: bytes) -> Question:
+def read_query(payload: bytes) -> FileQuery:
     """Read a request."""
     sequence, session, opcode, size, _, _, _, offset = HEADER.unpack(payload[: HEADER.size])
     data = payload[HEADER.size : HEADER.size + size]
-    return Question(sequence, session, opcode, size, offset, data)
+    return FileQuery(sequence, session, opcode, size, offset, data)
 
 
-def accept(question: Question, answer: Answer, number: int) -> bytes:
+def accept(query: FileQuery, answer: FileReply, number: int) -> bytes:
     """Make the payload of an ACK, the one of that number in a burst."""
-    sequence = (question.sequence + 1 + number) & 0xFFFF
-    is_burst_end = question.opcode == Opcode.BURST_READ and answer.is_last
+    sequence = (query.sequence + 1 + number) & 0xFFFF
+    is_burst_end = query.opcode == Opcode.BURST_READ and answer.is_last
     size = len(answer.data)
     return HEADER.pack(
-        sequence, answer.session, ACK, size, question.opcode, is_burst_end, 0, answer.offset
+        sequence, answer.session, ACK, size, query.opcode, is_burst_end, 0, answer.offset
     ) + answer.data.ljust(DATA_BYTES, b"\0")
 
 
-def refuse(question: Question, problem: Problem) -> bytes:
+def refuse(query: FileQuery, problem: Problem) -> bytes:
     """Make the payload of a NAK."""
-    sequence = (question.sequence + 1) & 0xFFFF
-    header = HEADER.pack(sequence, question.session, NAK, 1, question.opcode, 0, 0, question.offset)
+    sequence = (query.sequence + 1) & 0xFFFF
+    header = HEADER.pack(sequence, query.session, NAK, 1, query.opcode, 0, 0, query.offset)
     return header + bytes((problem,)).ljust(DATA_BYTES, b"\0")

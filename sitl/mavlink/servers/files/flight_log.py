@@ -40,11 +40,11 @@ class FlightLog:
         self._flights = 0
         self.finished: list[LogFile] = []
 
-    def record(self, *frames: bytes, link: int) -> None:
-        """Keep frames of one moment, if there is a flight."""
+    def record(self, *packets: bytes, link: int) -> None:
+        """Keep packets of one moment, if there is a flight."""
         if self._writer is not None and self._bytes < MAX_BYTES:
-            self._bytes += sum(map(len, frames))
-            self._writer.record(*frames, link=link)
+            self._bytes += sum(map(len, packets))
+            self._writer.record(*packets, link=link)
 
     def follow(self, *, armed: bool) -> None:
         """Begin or end a flight's log."""

@@ -4,11 +4,9 @@ import math
 
 from sitl.mavlink.servers.request import Request
 from sitl.mavlink.wire.dialect import Message, mavlink
-from sitl.records.missions import NOT_GIVEN, MissionItem, MissionResult, PlanKind
+from sitl.records.mavlink_numbers import GLOBAL_FRAMES, INT32_MAX, INT_TWINS, NOT_GIVEN
+from sitl.records.missions import MissionItem, MissionResult, PlanKind
 
-GLOBAL_FRAMES = {0, 3, 5, 6, 10, 11}  # MAV_FRAME whose x and y are latitude and longitude
-INT_TWINS = {5: 0, 6: 3, 11: 10}  # MAV_FRAME of the float message for each _INT frame
-INT32_MAX = 2**31 - 1
 SCALE = 1e7
 
 

@@ -10,7 +10,7 @@ from sitl.mavlink.servers.missions.mission_items import read_item, write_float_i
 from sitl.mavlink.servers.missions.mission_transfer import Download, Upload
 from sitl.mavlink.servers.request import Outlet, Request
 from sitl.mavlink.streams.health import mission_progress
-from sitl.mavlink.vehicle import Vehicle
+from sitl.mavlink.vehicle import SimulatedVehicle
 from sitl.mavlink.wire.dialect import Message, mavlink
 from sitl.records.missions import MissionResult, PlanKind
 from sitl.records.texts import CRITICAL, StatusText
@@ -23,7 +23,7 @@ class MissionServer:
 
     def __init__(
         self,
-        vehicle: Vehicle,
+        vehicle: SimulatedVehicle,
         broadcast: Callable[[Message], None],
         say: Callable[[StatusText], None],
     ) -> None:
@@ -32,7 +32,7 @@ class MissionServer:
         self._broadcast = broadcast
         self._say = say
         self._upload: Upload | None = None
-        self._downloads: dict[Outlet, Download] = {}  # one a link
+        self._downloads: dict[Outlet, Download] = {}  # one per link
         self._told = self._missions.progress
         self.handlers: Mapping[int, Callable[[Message, Request], None]] = {
             mavlink.MAVLINK_MSG_ID_MISSION_COUNT: self.count,

@@ -23,6 +23,10 @@ class Transfer:
     sent_us: int
     next: int = 0  # sequence number of the item that is due
 
+    def expect(self, sequence: int) -> None:
+        """Let that item be due."""
+        self.next = sequence
+
     def is_with(self, request: Request) -> bool:
         """Whether a message comes from the partner."""
         mine = self.request
@@ -50,7 +54,7 @@ class Upload(Transfer):
         if current:
             self.current = self.next
         self.items.append(item)
-        self.next += 1
+        self.expect(self.next + 1)
         return self.next == self.count
 
 
@@ -64,5 +68,5 @@ class Download(Transfer):
         """Give the item that is due, or the last one again; None for any other."""
         if not 0 <= sequence < len(self.plan) or sequence not in (self.next, self.next - 1):
             return None
-        self.next = sequence + 1
+        self.expect(sequence + 1)
         return self.plan[sequence]

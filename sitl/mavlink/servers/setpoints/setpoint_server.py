@@ -11,8 +11,9 @@ import math
 from sitl.frames import ned_from_geodetic
 from sitl.mavlink.servers.setpoints.attitude_setpoint import interpret_attitude
 from sitl.mavlink.servers.setpoints.manual_control import interpret_sticks
-from sitl.mavlink.vehicle import Vehicle
-from sitl.mavlink.wire.dialect import Message, mavlink
+from sitl.mavlink.vehicle import SimulatedVehicle
+from sitl.mavlink.wire.dialect import Message
+from sitl.records.mavlink_numbers import MavFrame
 from sitl.records.motion import Vector3
 from sitl.records.texts import CRITICAL, StatusText
 from sitl.records.vehicle import NAN_VECTOR, OffboardSetpoint
@@ -22,23 +23,21 @@ VELOCITY_BIT, ACCELERATION_BIT = 3, 6  # where each triple begins in the type ma
 YAW_IGNORED, YAW_RATE_IGNORED = 1 << 10, 1 << 11
 FORCE = 1 << 9
 LOCAL, GLOBAL = "SET_POSITION_TARGET_LOCAL_NED", "SET_POSITION_TARGET_GLOBAL_INT"
-# MAV_FRAME of global setpoints: above sea level, or above home; there is no terrain data, and the
-# ground is flat.
-GLOBAL_FRAMES = {5}
-ABOVE_HOME_FRAMES = {6, 11}
+# Of global setpoints; those above the terrain, too: there is no data of it, and the ground is flat.
+ABOVE_HOME_FRAMES = {MavFrame.GLOBAL_RELATIVE_ALT_INT, MavFrame.GLOBAL_TERRAIN_ALT_INT}
 
 
 class SetpointServer:
-    """Pass setpoints to the autopilot, and remember which camera frame the last one answers."""
+    """Pass setpoints to the autopilot, and remember which camera image the last one answers."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self._vehicle = vehicle
         self._answered_us = -1
 
     def take_answer(self) -> int:
         """Give the time_boot_ms, in us, of the newest setpoint since the last call; -1 if none.
 
-        A refused one counts too: its sender has seen the frame.
+        A refused one counts too: its sender has seen the image.
         """
         answered_us, self._answered_us = self._answered_us, -1
         return answered_us
@@ -82,7 +81,7 @@ class SetpointServer:
         return None
 
     def _note_answer(self, time_boot_ms: int) -> None:
-        """Remember the frame that is answered; nobody has seen one that is yet to come."""
+        """Remember the image that is answered; nobody has seen one that is yet to come."""
         answered_us = time_boot_ms * 1000
         if answered_us <= self._vehicle.time_us:
             self._answered_us = max(self._answered_us, answered_us)
@@ -94,11 +93,11 @@ def interpret(message: Message, *, time_us: int, yaw_rad: float) -> OffboardSetp
     position = _triple((message.x, message.y, message.z), mask)
     velocity = _triple((message.vx, message.vy, message.vz), mask >> VELOCITY_BIT)
     acceleration = _triple((message.afx, message.afy, message.afz), mask >> ACCELERATION_BIT)
-    if message.coordinate_frame == mavlink.MAV_FRAME_BODY_NED:
+    if message.coordinate_frame == MavFrame.BODY_NED:
         position = NAN_VECTOR
         velocity = _from_body(velocity, mask >> VELOCITY_BIT, yaw_rad)
         acceleration = _from_body(acceleration, mask >> ACCELERATION_BIT, yaw_rad)
-    elif message.coordinate_frame != mavlink.MAV_FRAME_LOCAL_NED:
+    elif message.coordinate_frame != MavFrame.LOCAL_NED:
         return _refused(LOCAL, f"coordinate frame {message.coordinate_frame} unsupported")
     return _complete(message, LOCAL, position, velocity, acceleration, time_us)
 
@@ -108,7 +107,7 @@ def interpret_global(
 ) -> OffboardSetpoint | StatusText:
     """Turn a message with a place on earth into a setpoint in local NED, or say why not."""
     mask, frame = message.type_mask, message.coordinate_frame
-    if frame not in GLOBAL_FRAMES | ABOVE_HOME_FRAMES:
+    if frame not in {MavFrame.GLOBAL_INT, *ABOVE_HOME_FRAMES}:
         return _refused(GLOBAL, f"coordinate frame {frame} unsupported")
     altitude_m = message.alt
     if frame in ABOVE_HOME_FRAMES:

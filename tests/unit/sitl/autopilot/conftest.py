@@ -44,8 +44,8 @@ class Flight:
         self.parameters = Parameters(self.airframe.parameters)
         self.autopilot = Autopilot(
             self.parameters,
-            rotor_positions_frd_m=self.airframe.rotor_positions_frd_m,
-            rotor_yaw_moments_m=self.airframe.rotor_yaw_moments_m,
+            rotor_positions_frd_m=self.airframe.rotors.positions_frd_m,
+            rotor_yaw_moments_m=self.airframe.rotors.yaw_moments_m,
             hover_thrust=self.airframe.hover_thrust,
             home=HOME,
         )

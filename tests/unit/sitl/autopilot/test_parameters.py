@@ -64,11 +64,10 @@ def test_limits_themselves_are_allowed(parameters):
     ],
 )
 def test_what_is_not_allowed_is_refused_and_changes_nothing(parameters, name, value, complaint):
-    before = {name: parameters.get(name) for name in parameters.names()}
+    before = parameters.values
     with pytest.raises(UsageError, match=f"^parameter {name}: {complaint}$"):
         parameters.set(name, value)
-    assert {name: parameters.get(name) for name in parameters.names()} == before
-    assert parameters.version == 0
+    assert parameters.values is before
 
 
 def test_text_as_from_the_environment(parameters):
@@ -79,11 +78,14 @@ def test_text_as_from_the_environment(parameters):
         parameters.set_from_text("COM_OBL_RC_ACT", "five")
 
 
-def test_version_counts_changes_only(parameters):
+def test_a_change_makes_another_table_and_leaves_the_old_one(parameters):
+    before = parameters.values
     parameters.set("MPC_XY_P", 0.95)
-    assert parameters.version == 0
+    assert parameters.values is before
     parameters.set("MPC_XY_P", 1.0)
-    assert parameters.version == 1
+    assert before["MPC_XY_P"] == pytest.approx(0.95)
+    assert parameters.values["MPC_XY_P"] == 1.0
+    assert {**parameters.values, "MPC_XY_P": before["MPC_XY_P"]} == before
 
 
 def test_an_airframe_may_change_defaults():

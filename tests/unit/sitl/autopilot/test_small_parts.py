@@ -6,7 +6,7 @@ import pytest
 
 from sitl.autopilot.control.hover_thrust import HoverThrust
 from sitl.autopilot.flight_modes.land_detector import LandDetector
-from sitl.autopilot.flight_modes.offboard import LATENCY_US, OffboardStream
+from sitl.autopilot.flight_modes.offboard import LATENCY_US, OffboardParameters, OffboardStream
 from sitl.autopilot.flight_modes.return_home import Phase, ReturnHome
 from sitl.autopilot.flight_modes.takeoff import Stage, Takeoff
 from sitl.autopilot.parameters import Parameters
@@ -140,7 +140,7 @@ def test_return_from_near_home_waits_for_the_heading_at_home(parameters):
 
 
 def test_a_bad_setpoint_leaves_the_last_good_one_for_200_ms(parameters):
-    stream = OffboardStream(parameters)
+    stream = OffboardStream(OffboardParameters.resolve(parameters.values))
     stream.receive(OffboardSetpoint(time_us=0, velocity_ned=(1.0, 0.0, 0.0), yaw_rate_rad_s=0.0))
     stream.receive(OffboardSetpoint(time_us=50_000, velocity_ned=(NAN, 0.0, 0.0)))
     assert stream.setpoint(200_000, 0.0).velocity_ned == (1.0, 0.0, 0.0)
@@ -159,13 +159,13 @@ def test_a_bad_setpoint_leaves_the_last_good_one_for_200_ms(parameters):
     ],
 )
 def test_setpoints_that_leave_an_axis_open_stop_the_vehicle(parameters, setpoint):
-    stream = OffboardStream(parameters)
+    stream = OffboardStream(OffboardParameters.resolve(parameters.values))
     stream.receive(OffboardSetpoint(time_us=0, **setpoint))
     assert stream.setpoint(300_000, 0.0).velocity_ned == ZERO
 
 
 def test_velocity_with_a_height_is_complete(parameters):
-    stream = OffboardStream(parameters)
+    stream = OffboardStream(OffboardParameters.resolve(parameters.values))
     stream.receive(
         OffboardSetpoint(
             time_us=0, position_ned=(NAN, NAN, -5.0), velocity_ned=(1.0, 0.0, NAN), yaw_rad=0.0
@@ -175,7 +175,7 @@ def test_velocity_with_a_height_is_complete(parameters):
 
 
 def test_heading_is_held_from_the_moment_nobody_asks_for_one(parameters):
-    stream = OffboardStream(parameters)
+    stream = OffboardStream(OffboardParameters.resolve(parameters.values))
     stream.receive(OffboardSetpoint(time_us=0, velocity_ned=ZERO))
     assert stream.setpoint(0, 0.4).yaw_rad == 0.4
     assert stream.setpoint(4000, 0.9).yaw_rad == 0.4
@@ -185,7 +185,7 @@ def test_heading_is_held_from_the_moment_nobody_asks_for_one(parameters):
 
 
 def test_climbing_setpoints_ask_for_a_take_off(parameters):
-    stream = OffboardStream(parameters)
+    stream = OffboardStream(OffboardParameters.resolve(parameters.values))
     assert not stream.wants_climb(0, 0.0)
     stream.receive(OffboardSetpoint(time_us=0, velocity_ned=(0.0, 0.0, -0.5), yaw_rad=0.0))
     assert stream.wants_climb(LATENCY_US, 0.0)

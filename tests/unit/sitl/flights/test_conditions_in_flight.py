@@ -30,24 +30,24 @@ def make():
 
 
 def hover(simulation, seconds):
-    """Hold a place; the frames, each with the time at which it came out, and the places."""
-    frames, places = [], []
+    """Hold a place; the images, each with the time at which it came out, and the places."""
+    images, places = [], []
     for tick in range(round(seconds * 250)):
-        if simulation.frame_due():
-            stamp, image = simulation.frame_stamp, simulation.render()
+        if simulation.image_due():
+            stamp, image = simulation.image_stamp, simulation.render()
             assert stamp == (image.time_us, image.sequence)
-            frames.append((simulation.time_us, image))
+            images.append((simulation.time_us, image))
         if tick % 12 == 0:
             simulation.autopilot.offboard_setpoint(
                 OffboardSetpoint(time_us=simulation.time_us, position_ned=HOVER, yaw_rad=0.0)
             )
         simulation.step()
         places.append(simulation.state.position_ned)
-    return frames, places
+    return images, places
 
 
-def pictures(frames):
-    return np.stack([frame.rgb for _, frame in frames])
+def pictures(images):
+    return np.stack([image.rgb for _, image in images])
 
 
 def test_a_late_camera_gives_the_same_pictures_with_the_same_stamps_later(make):
@@ -57,8 +57,8 @@ def test_a_late_camera_gives_the_same_pictures_with_the_same_stamps_later(make):
         (f.time_us, f.sequence) for _, f in punctual
     ]
     assert np.array_equal(pictures(late), pictures(punctual))
-    assert late[0][0] == 0  # what waits for a first frame need not wait for ever
-    assert {came_us - frame.time_us for came_us, frame in late[1:]} == {100_000}
+    assert late[0][0] == 0  # what waits for a first image need not wait for ever
+    assert {came_us - image.time_us for came_us, image in late[1:]} == {100_000}
 
 
 def test_a_mean_wind_pushes_and_the_autopilot_holds_against_it(make):
@@ -76,12 +76,12 @@ def test_gusts_come_by_the_seed(make):
     assert math.dist(first, other) > 1e-3
 
 
-def test_frozen_frames_repeat_the_picture_before_and_keep_their_own_stamps(make):
-    frames, _ = hover(make("camera.frozen_frame_share=0.5"), 4.0)
-    shown = pictures(frames)
+def test_frozen_images_repeat_the_picture_before_and_keep_their_own_stamps(make):
+    images, _ = hover(make("camera.frozen_frame_share=0.5"), 4.0)
+    shown = pictures(images)
     repeated = [np.array_equal(a, b) for a, b in itertools.pairwise(shown)]
     assert 0.3 < np.mean(repeated) < 0.7  # 79 draws: 0.5 +- 3.5 of 0.056
-    stamps = [frame.time_us for _, frame in frames]
+    stamps = [image.time_us for _, image in images]
     assert len(set(stamps)) == len(stamps) == 80
 
 

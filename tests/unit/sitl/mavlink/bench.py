@@ -9,7 +9,7 @@ from sitl.mavlink.components.camera_component import CameraFacts
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.links.link import Guard
 from sitl.mavlink.links.udp_link import LinkConfig, UdpLink
-from sitl.mavlink.wire.framing import Received, frame, pack, split
+from sitl.mavlink.wire.packets import Received, pack, split, wrap
 from tests.unit.sitl.mavlink.fakes import FakeVehicle
 
 FACTS = CameraFacts(
@@ -44,10 +44,10 @@ class Peer:
 
 
 class Client(Peer):
-    """Somebody who speaks in frames of our own making."""
+    """Somebody who speaks in packets of our own making."""
 
     def send(self, message: Any, system: int = 255, component: int = 190) -> bytes:
-        raw = frame(pack(message), sequence=0, system=system, component=component)
+        raw = wrap(pack(message), sequence=0, system=system, component=component)
         self.send_raw(raw)
         return raw
 

@@ -5,8 +5,8 @@ from typing import Any
 
 from sitl.errors import UsageError
 from sitl.mavlink.servers.request import Request
-from sitl.mavlink.streams.streams import GROUND_STATION, StreamTable
-from sitl.mavlink.wire.framing import Packet, frame, split
+from sitl.mavlink.streams.rates import GROUND_STATION, StreamTable
+from sitl.mavlink.wire.packets import Packed, split, wrap
 from sitl.records.course import CourseEvent, CourseState, CourseStatus, Gate
 from sitl.records.failures import FailureType
 from sitl.records.missions import (
@@ -80,7 +80,6 @@ class FakeParameters:
             "MAV_SYS_ID": 1,
             "MPC_XY_VEL_MAX": 12.0,
         }
-        self.version = 0
 
     def __contains__(self, name: object) -> bool:
         return name in self.values
@@ -98,7 +97,6 @@ class FakeParameters:
         if not 0.0 <= value <= 100.0:
             raise UsageError(f"parameter {name}: must be 0 to 100")
         self.values[name] = value
-        self.version += 1
 
 
 class FakeMissions:
@@ -212,18 +210,18 @@ class FakeVehicle:
 
 
 class FakeOutlet:
-    """Keeps what is sent, decoded again from its frames."""
+    """Keeps what is sent, decoded again from its packets."""
 
     def __init__(self) -> None:
         self.messages: list[Any] = []
-        self.packets: list[Packet] = []
+        self.packed: list[Packed] = []
 
     def send(self, message: Any) -> None:
         self.messages.append(message)
 
-    def send_packet(self, packet: Packet) -> None:
-        self.packets.append(packet)
-        received = split(frame(packet, sequence=0, system=1, component=1))
+    def send_packed(self, packed: Packed) -> None:
+        self.packed.append(packed)
+        received = split(wrap(packed, sequence=0, system=1, component=1))
         self.messages.extend(item.message for item in received)
 
     def take(self) -> list[Any]:

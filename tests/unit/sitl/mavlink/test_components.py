@@ -9,7 +9,7 @@ from sitl.mavlink.components.camera_component import CameraComponent, CameraFact
 from sitl.mavlink.components.referee_component import RefereeComponent
 from sitl.mavlink.wire.dialect import mavlink
 from sitl.records.course import CourseEvent, CourseEventKind, CourseState, CourseStatus
-from sitl.records.images import Frame
+from sitl.records.images import Image
 from sitl.records.missions import MissionProgress, MissionState
 from sitl.records.modes import Mode
 from tests.unit.sitl.mavlink.fakes import FakeOutlet, FakeVehicle, make_request
@@ -68,9 +68,9 @@ def test_the_camera_does_not_fly() -> None:
     assert [m.result for m in ask_camera(400, 1)] == [UNSUPPORTED]
 
 
-def test_a_trigger_has_the_stamp_and_number_of_its_frame() -> None:
-    frame = Frame(time_us=152_000, sequence=3, rgb=np.zeros((64, 64, 3), np.uint8))
-    trigger = CameraComponent(FACTS).trigger(frame)
+def test_a_trigger_has_the_stamp_and_number_of_its_image() -> None:
+    image = Image(time_us=152_000, sequence=3, rgb=np.zeros((64, 64, 3), np.uint8))
+    trigger = CameraComponent(FACTS).trigger(image)
     assert (trigger.time_usec, trigger.seq) == (152_000, 3)
 
 

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from sitl.clock import TICK_US
 from sitl.mavlink.wire.dialect import AUTOPILOT, CAMERA, REFEREE, mavlink
-from sitl.mavlink.wire.framing import Packet, Received, frame
+from sitl.mavlink.wire.packets import Packed, Received, wrap
 from sitl.records.course import CourseEvent, CourseEventKind
-from sitl.records.images import FrameStamp
+from sitl.records.images import ImageStamp
 from sitl.records.texts import StatusText
 from tests.unit.sitl.mavlink.bench import Bench
 
@@ -157,7 +157,7 @@ def test_nobody_speaks_in_the_vehicles_name(bench: Bench) -> None:
 
 
 def test_a_trigger_goes_to_both_links_in_the_cameras_name(bench: Bench) -> None:
-    bench.endpoint.publish_trigger(FrameStamp(52_000, 1))
+    bench.endpoint.publish_trigger(ImageStamp(52_000, 1))
     for client in (bench.gcs, bench.api):
         (trigger,) = client.take()
         message = trigger.message
@@ -206,9 +206,9 @@ def is_answer(message: Any) -> bool:
 )
 @given(st.sampled_from(ANY), st.binary(min_size=1, max_size=255))
 def test_no_message_of_any_content_raises(bench: Bench, message_id: int, payload: bytes) -> None:
-    packet = Packet(message_id, payload, mavlink.mavlink_map[message_id].crc_extra)
+    packed = Packed(message_id, payload, mavlink.mavlink_map[message_id].crc_extra)
     for system, component in ((255, 190), (1, 191), (1, 1)):
-        raw = frame(packet, sequence=0, system=system, component=component)
+        raw = wrap(packed, sequence=0, system=system, component=component)
         bench.gcs.send_raw(raw)
         bench.handle()
     bench.endpoint.publish()

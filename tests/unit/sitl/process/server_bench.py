@@ -11,10 +11,10 @@ from sitl.mavlink.components.camera_component import CameraFacts
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.links.udp_link import LinkConfig, UdpLink
 from sitl.mavlink.wire.dialect import mavlink
-from sitl.mavlink.wire.framing import Received, frame, pack, split
+from sitl.mavlink.wire.packets import Received, pack, split, wrap
 from sitl.process.server import Server
 from sitl.process.streams.camera_stream import CameraStream
-from sitl.records.images import Frame, FrameStamp
+from sitl.records.images import Image, ImageStamp
 from tests.unit.sitl.mavlink.fakes import FakeVehicle
 
 IMAGE = np.zeros((64, 64, 3), np.uint8)
@@ -25,7 +25,7 @@ class FakeSimulation(FakeVehicle):
 
     def __init__(self) -> None:
         super().__init__()
-        self._frames = Schedule(20)
+        self._images = Schedule(20)
         self._sequence = 0
         self.ticked: Callable[[], None] = lambda: None
 
@@ -33,15 +33,15 @@ class FakeSimulation(FakeVehicle):
         self.time_us += TICK_US
         self.ticked()
 
-    def frame_due(self) -> bool:
-        return self._frames.due(self.time_us)
+    def image_due(self) -> bool:
+        return self._images.due(self.time_us)
 
     @property
-    def frame_stamp(self) -> FrameStamp:
-        return FrameStamp(self.time_us, self._sequence)
+    def image_stamp(self) -> ImageStamp:
+        return ImageStamp(self.time_us, self._sequence)
 
-    def render(self) -> Frame:
-        image = Frame(time_us=self.time_us, sequence=self._sequence, rgb=IMAGE)
+    def render(self) -> Image:
+        image = Image(time_us=self.time_us, sequence=self._sequence, rgb=IMAGE)
         self._sequence += 1
         return image
 
@@ -72,7 +72,7 @@ class Companion:
             stream.serve(1.0)
 
     def send(self, message: Any) -> None:
-        raw = frame(pack(message), sequence=0, system=1, component=191)
+        raw = wrap(pack(message), sequence=0, system=1, component=191)
         self.udp.sendto(raw, self.vehicle)
 
     def command(self, number: int) -> None:

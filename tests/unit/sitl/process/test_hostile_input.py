@@ -10,7 +10,7 @@ from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.links.link import Guard
 from sitl.mavlink.servers.files.storage import Storage
 from sitl.mavlink.wire.dialect import mavlink
-from sitl.mavlink.wire.framing import frame, pack
+from sitl.mavlink.wire.packets import pack, wrap
 from sitl.mavlink.wire.signing import Signing
 from sitl.records.modes import Mode
 from sitl.simulation import Simulation, SimulationConfig
@@ -60,7 +60,7 @@ class Bench:
             self.simulation.time_us // 1000, 1, 1, 1, 0x5F8, *START_NED, *[0.0] * 8
         )
         is_signed = self.pilot_signing.is_on
-        raw = frame(pack(message), sequence=0, system=1, component=191, is_signed=is_signed)
+        raw = wrap(pack(message), sequence=0, system=1, component=191, is_signed=is_signed)
         raw += self.pilot_signing.signature(raw, 9) if is_signed else b""
         self.peer.socket.sendto(raw, ("127.0.0.1", self.links[1].local_port))
         handle(self.endpoint, self.links)

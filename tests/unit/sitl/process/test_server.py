@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from sitl.clock import SECOND_US
-from sitl.records.images import Frame
+from sitl.records.images import Image
 from tests.unit.sitl.process.server_bench import Bench, Companion
 
 
@@ -39,7 +39,7 @@ def test_telemetry_and_trigger_leave_before_the_image_is_drawn(
     order: list[str] = []
     render, publish = bench.simulation.render, bench.stream.publish
 
-    def note() -> Frame:
+    def note() -> Image:
         order.extend(message.get_type() for message in bench.received())
         image = render()
         order.append(f"image {image.time_us}")
@@ -48,7 +48,7 @@ def test_telemetry_and_trigger_leave_before_the_image_is_drawn(
     bench.simulation.render = note  # type: ignore[method-assign]
     companion = Companion(bench.stream, bench.link, bench.udp) if lockstep else None
 
-    def answered(image: Frame) -> None:
+    def answered(image: Image) -> None:
         publish(image)
         if companion is not None:
             companion.answer(image.time_us)

@@ -6,7 +6,7 @@ import pytest
 
 from sitl.clock import SECOND_US
 from sitl.mavlink.wire.dialect import mavlink
-from sitl.records.images import Frame
+from sitl.records.images import Image
 from tests.unit.sitl.process.server_bench import Bench, Companion
 
 
@@ -41,7 +41,7 @@ def test_lockstep_reads_nothing_between_an_answer_and_the_next_frame(
     handled = bench.note_commands()
     publish = bench.stream.publish
 
-    def look(image: Frame) -> None:
+    def look(image: Image) -> None:
         publish(image)
         companion.command(1000 + image.sequence)
         companion.answer(image.time_us)
@@ -51,16 +51,16 @@ def test_lockstep_reads_nothing_between_an_answer_and_the_next_frame(
     bench.stop_at(200_000)
     bench.server.run()
     companion.tcp.close()
-    # A command before the answer is handled at its frame, one after it only at the next.
+    # A command before the answer is handled at its image, one after it only at the next.
     assert handled[:5] == [(0, 1000), (52_000, 2000), (52_000, 1001), (100_000, 2001),
                            (100_000, 1002)]  # fmt: skip
 
 
-def test_lockstep_can_be_stopped_where_no_frame_comes(make_bench: Callable[..., Bench]) -> None:
+def test_lockstep_can_be_stopped_where_no_image_comes(make_bench: Callable[..., Bench]) -> None:
     bench = make_bench(lockstep=True)
     companion = Companion(bench.stream, bench.link, bench.udp)
     companion.answer(0)
-    bench.simulation.frame_due = lambda: False  # type: ignore[method-assign]
+    bench.simulation.image_due = lambda: False  # type: ignore[method-assign]
     bench.stop_at(512_000)
     bench.server.run()
     assert bench.simulation.time_us == 512_000
@@ -68,7 +68,7 @@ def test_lockstep_can_be_stopped_where_no_frame_comes(make_bench: Callable[..., 
 
 
 @pytest.mark.parametrize("speed_factor", [0.0, 1000.0])
-def test_lockstep_listens_where_frames_stay_out(
+def test_lockstep_listens_where_images_stay_out(
     make_bench: Callable[..., Bench], speed_factor: float
 ) -> None:
     """A camera that fails must not make the vehicle deaf: it could never be told to land."""
@@ -77,7 +77,7 @@ def test_lockstep_listens_where_frames_stay_out(
     handled = bench.note_commands()
     companion.answer(0)
     companion.command(1000)
-    bench.simulation.frame_due = lambda: bench.simulation.time_us == 0  # type: ignore[method-assign]
+    bench.simulation.image_due = lambda: bench.simulation.time_us == 0  # type: ignore[method-assign]
     bench.stop_at(2 * SECOND_US)
     bench.server.run()
     companion.tcp.close()
@@ -85,10 +85,10 @@ def test_lockstep_listens_where_frames_stay_out(
     assert 1.5 * SECOND_US < handled[0][0] < 1.7 * SECOND_US
 
 
-def test_lockstep_reads_nothing_while_frames_stay_out_for_a_moment(
+def test_lockstep_reads_nothing_while_images_stay_out_for_a_moment(
     make_bench: Callable[..., Bench],
 ) -> None:
-    """A camera that fails intermittently is gone for a second, and a frame's time about it."""
+    """A camera that fails intermittently is gone for a second, and an image's time about it."""
     bench = make_bench(lockstep=True)
     companion = Companion(bench.stream, bench.link, bench.udp)
     handled = bench.note_commands()
@@ -97,13 +97,13 @@ def test_lockstep_reads_nothing_while_frames_stay_out_for_a_moment(
     due = iter((0, 1_052_000))
     next_us = next(due)
 
-    def frame_due() -> bool:
+    def image_due() -> bool:
         nonlocal next_us
         is_due = bench.simulation.time_us == next_us
         next_us = next(due, next_us) if is_due else next_us
         return is_due
 
-    bench.simulation.frame_due = frame_due  # type: ignore[method-assign]
+    bench.simulation.image_due = image_due  # type: ignore[method-assign]
     stand = bench.server._stand
 
     def last_stand() -> None:
@@ -122,7 +122,7 @@ def test_lockstep_runs_free_when_the_viewer_leaves(make_bench: Callable[..., Ben
     companion = Companion(bench.stream, bench.link, bench.udp)
     publish = bench.stream.publish
 
-    def look(image: Frame) -> None:
+    def look(image: Image) -> None:
         publish(image)
         if image.sequence < 3:
             companion.answer(image.time_us)

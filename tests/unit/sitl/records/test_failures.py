@@ -213,11 +213,11 @@ def test_the_signal_comes_and_goes(vehicle):
     assert vehicle.is_silent
 
 
-def frames(vehicle: Failing, seconds: float) -> list[np.ndarray]:
+def images(vehicle: Failing, seconds: float) -> list[np.ndarray]:
     taken = []
     for _ in range(round(seconds * 250)):
         vehicle.step()
-        if vehicle.frame_due():
+        if vehicle.image_due():
             taken.append(vehicle.render().rgb)
     return taken
 
@@ -232,19 +232,19 @@ def frames(vehicle: Failing, seconds: float) -> list[np.ndarray]:
     ],
 )
 def test_a_camera_that_gives_fewer_images(vehicle, kind, count):
-    vehicle.frame_due()
+    vehicle.image_due()
     vehicle.inject(FailureUnit.CAMERA, kind)
-    assert len(frames(vehicle, 2.0)) == pytest.approx(count, abs=1)
+    assert len(images(vehicle, 2.0)) == pytest.approx(count, abs=1)
 
 
 def test_a_camera_that_gives_other_images(vehicle):
     vehicle.inject(FailureUnit.CAMERA, FailureType.STUCK)
     vehicle.run(0.01)
-    stuck = frames(vehicle, 0.5)
+    stuck = images(vehicle, 0.5)
     assert all((image == stuck[0]).all() for image in stuck)
     vehicle.inject(FailureUnit.CAMERA, FailureType.GARBAGE)
     vehicle.run(0.01)
-    garbage = frames(vehicle, 0.2)
+    garbage = images(vehicle, 0.2)
     assert garbage[0].std() > 60.0
     assert (garbage[0] != garbage[1]).any()
 
@@ -254,14 +254,14 @@ def test_a_camera_that_is_late_keeps_its_stamps(vehicle):
     late_us = []
     for _ in range(500):
         vehicle.step()
-        if vehicle.frame_due():
-            stamp, image = vehicle.frame_stamp, vehicle.render()
+        if vehicle.image_due():
+            stamp, image = vehicle.image_stamp, vehicle.render()
             assert stamp == (image.time_us, image.sequence)
             late_us.append(vehicle.time_us - image.time_us)
     assert late_us[0] == 0
     assert all(500_000 <= late <= 504_000 for late in late_us[1:])
     vehicle.inject(FailureUnit.CAMERA, FailureType.OK)
     vehicle.run(0.01)
-    while not vehicle.frame_due():
+    while not vehicle.image_due():
         vehicle.step()
     assert vehicle.render().time_us == vehicle.time_us

@@ -13,8 +13,8 @@ def test_x500_is_the_published_one():
     x500 = load_airframe("x500")
     assert x500.mass_kg == 2.064
     assert x500.inertia_kg_m2 == (0.0217, 0.0217, 0.040)
-    assert x500.max_thrust_n == pytest.approx(8.549)
-    assert x500.rotor_yaw_moments_m == (0.016, 0.016, -0.016, -0.016)
+    assert x500.rotors.max_thrust_n == pytest.approx(8.549)
+    assert x500.rotors.yaw_moments_m == (0.016, 0.016, -0.016, -0.016)
     assert x500.hover_thrust == pytest.approx(0.592, abs=0.001)
 
 
@@ -28,15 +28,15 @@ def test_its_parameters_are_ones_that_the_autopilot_has():
     ("old", "new", "complaint"),
     [
         ("mass_kg = 2.064", "", "mass_kg: missing"),
-        ("mass_kg = 2.064", "mass_kg = 0", "mass_kg: must be positive, got 0"),
-        ("mass_kg = 2.064", "mass_kg = -1.0", "mass_kg: must be positive, got -1.0"),
-        ("mass_kg = 2.064", 'mass_kg = "heavy"', "mass_kg: expected a number, got 'heavy'"),
+        ("mass_kg = 2.064", "mass_kg = 0", "mass_kg: must be a number above 0, got 0"),
+        ("mass_kg = 2.064", "mass_kg = -1.0", "mass_kg: must be a number above 0, got -1.0"),
+        ("mass_kg = 2.064", 'mass_kg = "heavy"', "mass_kg: must be a number above 0, got 'heavy'"),
         ("mass_kg = 2.064", "mass_kg = 2.064\ncolour = 1", "colour: unknown key"),
-        ("0.0217, 0.0217, 0.040", "0.0217, 0.0217", "inertia_kg_m2: expected 3 numbers"),
-        ("0.0217, 0.0217, 0.040", "0.0217, 0.0, 0.040", "inertia_kg_m2: must be positive"),
-        ("[1, 1, -1, -1]", "[1, 1, 1, -1]", "rotors.directions: expected two 1 and two -1"),
-        ("[0.174, 0.174], ", "", "rotors.positions_frd_m: expected 4 pairs"),
-        ("[drag]", "[drug]", "drag: missing"),
+        ("0.0217, 0.0217, 0.040", "0.0217, 0.0217", "inertia_kg_m2: must be 3 numbers"),
+        ("0.0217, 0.0217, 0.040", "0.0217, 0.0, 0.040", "inertia_kg_m2: must be a number above 0"),
+        ("[1, 1, -1, -1]", "[1, 1, 1, -1]", "rotors.directions: must be two 1 and two -1"),
+        ("[0.174, 0.174], ", "", "rotors.positions_frd_m: must be 4 lists"),
+        ("[drag]", "[drug]", "drug: unknown table"),
         (
             "max_speed_rad_s = 1000.0",
             "max_speed_rad_s = 500.0",

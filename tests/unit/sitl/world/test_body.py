@@ -92,7 +92,7 @@ def test_roll_acceleration_is_torque_over_inertia(bench):
     bench.run(motors, ticks=120)  # the rotors are there
     before = bench.body.state(0).rates_frd[0]
     after = bench.run(motors).rates_frd[0]
-    torque = 4 * 0.05 * X500.max_thrust_n * 0.174 - 0.025 * before
+    torque = 4 * 0.05 * X500.rotors.max_thrust_n * 0.174 - 0.025 * before
     assert (after - before) / TICK_S == pytest.approx(torque / 0.0217, rel=0.01)
 
 
@@ -111,7 +111,7 @@ def test_thrust_is_linear_in_the_command(bench):
     for thrust in (0.2, 0.5, 0.9):
         bench.put(thrust=thrust)
         state = bench.run((thrust,) * 4)
-        lift = 4 * thrust * X500.max_thrust_n / X500.mass_kg
+        lift = 4 * thrust * X500.rotors.max_thrust_n / X500.mass_kg
         assert state.specific_force_frd[2] == pytest.approx(-lift)
 
 

@@ -62,7 +62,7 @@ def test_a_rung_of_ones_own_is_named_by_its_path(tmp_path) -> None:
         ('about = ""\nnoise_m = [1.0, 2.0]\ncommand_factor = nan', ["above 0"]),
         ('about = ""\nnoise_m = [1.0, 2.0]\ncommand_factor = inf', ["above 0"]),
         ('about = ""\nnoise_m = [1.0, 2.0]\nspeed = 2', ["unknown key 'speed'"]),
-        ('about = ""\nnoise_m = [1.0, 2.0]\n[conditions.sea]', ["unknown table 'sea'", "wind"]),
+        ('about = ""\nnoise_m = [1.0, 2.0]\n[conditions.sea]', ["sea: unknown table", "wind"]),
         ("about =", ["Invalid value"]),
     ],
 )

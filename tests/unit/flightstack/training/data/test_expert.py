@@ -7,9 +7,8 @@ import pytest
 
 from flightstack.frames import ned_from_body, wrap_pi
 from flightstack.training.data.expert import ExpertConfig, expert_command
-from sitl.records.course import CourseState
+from sitl import CourseState, make_track
 from sitl.world.referee import Referee
-from sitl.world.track import make_track
 
 LAG_S, STEP_S, SUBSTEPS = 0.5, 0.01, 5
 

@@ -7,11 +7,14 @@ import pytest
 
 from flightstack.training.data.expert import ExpertConfig, FunnelExpert
 from scripts.fly_expert import BlindExpert, fly
-from sitl.frames import quaternion_from_euler
-from sitl.records.conditions import Conditions, EstimateErrors
-from sitl.records.course import Gate
-from sitl.records.motion import VehicleState
-from sitl.simulation import SimulationConfig
+from sitl import (
+    Conditions,
+    EstimateErrors,
+    Gate,
+    SimulationConfig,
+    VehicleState,
+    quaternion_from_euler,
+)
 
 GATE = Gate(index=0, centre_ned=(5.0, 0.0, -3.0), yaw_rad=0.0)
 NEXT = Gate(index=1, centre_ned=(10.0, 3.0, -3.0), yaw_rad=math.radians(45.0))

@@ -8,9 +8,7 @@ from flightstack.training.data.minimum_jerk import (
     MinimumJerkExpert,
     plan,
 )
-from sitl.frames import quaternion_from_euler
-from sitl.records.course import Gate
-from sitl.records.motion import VehicleState
+from sitl import Gate, VehicleState, quaternion_from_euler
 
 ZERO = (0.0, 0.0, 0.0)
 GATE = Gate(index=0, centre_ned=(5.0, 1.0, -4.0), yaw_rad=0.3)

@@ -6,7 +6,7 @@ from sitl.autopilot.control.mixer import Mixer
 from sitl.world.airframe import load_airframe
 
 X500 = load_airframe("x500")
-MIXER = Mixer(X500.rotor_positions_frd_m, X500.rotor_yaw_moments_m)
+MIXER = Mixer(X500.rotors.positions_frd_m, X500.rotors.yaw_moments_m)
 TORQUES = st.floats(-1.0, 1.0)
 LEVER = 0.174  # m
 YAW_ARM = 0.016  # m
@@ -14,7 +14,7 @@ YAW_ARM = 0.016  # m
 
 def torques(motors) -> tuple[float, float, float]:
     """Roll, pitch, yaw that the rotors give, on the mixer's own scale."""
-    rows = zip(motors, X500.rotor_positions_frd_m, X500.rotor_yaw_moments_m, strict=True)
+    rows = zip(motors, X500.rotors.positions_frd_m, X500.rotors.yaw_moments_m, strict=True)
     roll = pitch = yaw = 0.0
     for thrust, (x, y), moment in rows:
         roll -= y * thrust

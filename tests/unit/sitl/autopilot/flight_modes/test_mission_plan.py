@@ -6,7 +6,8 @@ from dataclasses import replace
 import pytest
 
 from sitl.autopilot.flight_modes.mission_plan import check_item, check_plan
-from sitl.records.missions import NOT_GIVEN, MissionItem, MissionResult, PlanKind
+from sitl.records.mavlink_numbers import NOT_GIVEN
+from sitl.records.missions import MissionItem, MissionResult, PlanKind
 from tests.unit.sitl.autopilot.flight_modes.made_plans import (
     CIRCLE_EXCLUSION,
     CIRCLE_INCLUSION,

@@ -6,7 +6,7 @@ import pytest
 from sitl.mavlink.links.forwarding import MAX_COMPONENTS, Forwarder
 from sitl.mavlink.links.udp_link import LinkConfig, UdpLink
 from sitl.mavlink.wire.dialect import mavlink
-from sitl.mavlink.wire.framing import frame, pack, split
+from sitl.mavlink.wire.packets import pack, split, wrap
 
 PING = mavlink.MAVLink_ping_message(1, 1, 0, 0)
 
@@ -32,7 +32,7 @@ class Pair:
 
     def pass_on(self, message: object, system: int, component: int, source: int = 0) -> bool:
         """Say whether the message reached the second link."""
-        raw = frame(pack(message), sequence=0, system=system, component=component)
+        raw = wrap(pack(message), sequence=0, system=system, component=component)
         (received,) = split(raw)
         self.forwarder.forward(received, self.links[source])
         try:

@@ -12,7 +12,7 @@ from sitl.mavlink.links.link import Guard
 from sitl.mavlink.links.tcp_link import MAX_PENDING_BYTES, TcpLink
 from sitl.mavlink.links.udp_client_link import UdpClientLink
 from sitl.mavlink.wire.dialect import mavlink
-from sitl.mavlink.wire.framing import Received, frame, pack, split, split_stream
+from sitl.mavlink.wire.packets import Received, pack, split, split_stream, wrap
 from sitl.mavlink.wire.refusals import Refusal
 
 HEARTBEAT = mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
@@ -20,7 +20,7 @@ HOST = "127.0.0.1"
 
 
 def raw(sequence: int = 0, system: int = 255) -> bytes:
-    return frame(pack(HEARTBEAT), sequence=sequence, system=system, component=190)
+    return wrap(pack(HEARTBEAT), sequence=sequence, system=system, component=190)
 
 
 def drain(link: TcpLink | UdpClientLink) -> list[Received]:
@@ -77,7 +77,7 @@ def test_udp_goes_where_it_was_told_and_hears_only_from_there(
     peer.sendto(b"nonsense", address)
     peer.sendto(raw(), address)
     assert [r.system for r in drain(udp)] == [255]
-    assert guard.refusals.totals == {Refusal.NO_FRAME: 1}
+    assert guard.refusals.totals == {Refusal.NO_PACKET: 1}
 
 
 def test_udp_to_nobody_waits_for_somebody(udp: UdpClientLink, peer: socket.socket) -> None:
@@ -112,7 +112,7 @@ def test_an_unknown_host_is_one_line() -> None:
         UdpClientLink(("no.such.host.invalid", 9), system=1, index=2)
 
 
-def test_tcp_carries_frames_both_ways(tcp: TcpLink, client: socket.socket) -> None:
+def test_tcp_carries_packets_both_ways(tcp: TcpLink, client: socket.socket) -> None:
     tcp.send(HEARTBEAT)
     assert len(split(client.recv(4096))) == 1
     for piece in (raw(0)[:5], raw(0)[5:] + raw(1) + b"junk", raw(2)[:-1], raw(2)[-1:]):
@@ -139,7 +139,7 @@ def test_tcp_has_one_client_at_a_time(tcp: TcpLink, client: socket.socket) -> No
             tcp.receive()
 
 
-def test_a_slow_tcp_client_loses_whole_frames_only(tcp: TcpLink, client: socket.socket) -> None:
+def test_a_slow_tcp_client_loses_whole_packets_only(tcp: TcpLink, client: socket.socket) -> None:
     for _ in range(200_000):
         tcp.send(HEARTBEAT)
     assert len(tcp._pending) <= MAX_PENDING_BYTES
@@ -160,7 +160,7 @@ def test_tcp_noise_is_counted(tcp: TcpLink, client: socket.socket, guard: Guard)
     client.sendall(b"GET / HTTP/1.1\r\n\r\n" * 10)
     while not guard.refusals.totals:
         assert drain(tcp) == []
-    assert guard.refusals.totals == {Refusal.NO_FRAME: 1}
+    assert guard.refusals.totals == {Refusal.NO_PACKET: 1}
 
 
 def test_tcp_says_what_it_opens() -> None:
@@ -177,7 +177,7 @@ def test_tcp_says_what_it_opens() -> None:
     ),
     st.data(),
 )
-def test_a_stream_cut_anywhere_gives_the_same_frames(
+def test_a_stream_cut_anywhere_gives_the_same_packets(
     items: list[int | bytes], data: st.DataObject
 ) -> None:
     stream = b"".join(item if isinstance(item, bytes) else raw(item) for item in items)

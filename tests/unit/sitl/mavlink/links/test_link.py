@@ -7,10 +7,10 @@ from sitl.errors import LinkError
 from sitl.mavlink.links.link import MAX_DATAGRAM_BYTES
 from sitl.mavlink.links.udp_link import LinkConfig, UdpLink
 from sitl.mavlink.wire.dialect import CAMERA, mavlink
-from sitl.mavlink.wire.framing import frame, pack, split
+from sitl.mavlink.wire.packets import pack, split, wrap
 
 HEARTBEAT = mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
-VALID = frame(pack(HEARTBEAT), sequence=0, system=255, component=190)
+VALID = wrap(pack(HEARTBEAT), sequence=0, system=255, component=190)
 
 
 class Peer:
@@ -47,12 +47,12 @@ def make_link(remote_port: int) -> UdpLink:
     return UdpLink(LinkConfig(name="gcs", local_port=0, remote_port=remote_port), system=3)
 
 
-def test_sends_unprompted_until_the_first_valid_frame_names_the_partner() -> None:
+def test_sends_unprompted_until_the_first_valid_packet_names_the_partner() -> None:
     with Peer() as default, Peer() as first, Peer() as later:
         link = make_link(default.port)
         link.send(HEARTBEAT)
         assert split(default.receive())[0].system == 3
-        first.send(b"not a frame", link)
+        first.send(b"not a packet", link)
         assert link.receive() == []
         assert link.remote == ("127.0.0.1", default.port)
         first.send(VALID, link)
@@ -124,10 +124,10 @@ def test_sequence_wraps_without_a_gap() -> None:
 def test_a_tap_sees_both_directions() -> None:
     class Tap:
         def __init__(self) -> None:
-            self.frames: list[tuple[int, bytes]] = []
+            self.packets: list[tuple[int, bytes]] = []
 
         def record(self, raw: bytes, *, link: int) -> None:
-            self.frames.append((link, raw))
+            self.packets.append((link, raw))
 
     with Peer() as peer:
         config = LinkConfig(name="api", local_port=0, remote_port=peer.port)
@@ -137,7 +137,7 @@ def test_a_tap_sees_both_directions() -> None:
         peer.send(VALID + b"junk", link)
         link.receive()
         link.send(HEARTBEAT)
-        assert tap.frames == [(1, VALID), (1, peer.receive())]
+        assert tap.packets == [(1, VALID), (1, peer.receive())]
         link.close()
 
 

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from sitl.mavlink.wire.dialect import mavlink
-from sitl.mavlink.wire.framing import Received
+from sitl.mavlink.wire.packets import Received
 from sitl.records.failures import FailureType
 from tests.unit.sitl.mavlink.bench import Bench
 

@@ -99,7 +99,7 @@ def test_all_links_take_and_give_only_what_is_signed(bench: Bench) -> None:
     assert bench.guard.refusals.totals == {Refusal.UNSIGNED: 2}
 
 
-def test_bad_frames_change_nothing_and_the_next_valid_one_is_accepted(bench: Bench) -> None:
+def test_bad_packets_change_nothing_and_the_next_valid_one_is_accepted(bench: Bench) -> None:
     bench.api.use(KEY)
     command = mavlink.MAVLink_command_long_message(1, 1, 400, 0, 1, *[0.0] * 6)
     good = bench.api.send(command)
@@ -141,7 +141,7 @@ def test_an_unsigned_heartbeat_is_heard_but_makes_no_partner(bench: Bench) -> No
     stranger.socket.close()
 
 
-def test_the_vehicles_own_frames_sent_back_to_it_change_nothing(bench: Bench) -> None:
+def test_the_vehicles_own_packets_sent_back_to_it_change_nothing(bench: Bench) -> None:
     bench.endpoint.publish()
     echo = bench.gcs.socket.recv(4096)
     stranger = Client()

@@ -66,7 +66,7 @@ def test_request_message(message_id: float, answer: list[Any]) -> None:
 def test_protocol_version_is_sent_before_its_acknowledgement() -> None:
     bench = Bench()
     assert summary(bench.long(512, 300)) == [ACCEPTED]
-    assert [packet.message_id for packet in bench.outlet.packets] == [300]
+    assert [packed.message_id for packed in bench.outlet.packed] == [300]
     assert summary(bench.long(519)) == [ACCEPTED]
     assert summary(bench.long(520)) == ["AUTOPILOT_VERSION", ACCEPTED]
 

@@ -13,12 +13,12 @@ from sitl.mavlink.servers.files.log_server import MAX_BURST, LogServer
 from sitl.mavlink.servers.files.storage import Storage
 from sitl.mavlink.wire.crc32 import crc32
 from sitl.mavlink.wire.dialect import mavlink
-from sitl.mavlink.wire.framing import frame, pack
+from sitl.mavlink.wire.packets import pack, wrap
 from sitl.mavlink.wire.refusals import Refusal, Refusals
 from tests.unit.sitl.mavlink.fakes import FakeOutlet, make_request
 
 EPOCH_US = 1_700_000_000_000_000
-HEARTBEAT = frame(
+HEARTBEAT = wrap(
     pack(mavlink.MAVLink_heartbeat_message(2, 12, 29, 0, 3, 3)), sequence=0, system=1, component=1
 )
 
@@ -35,9 +35,9 @@ def make_log(folder: Path | None) -> tuple[FlightLog, Clock]:
     return FlightLog(folder, unix_epoch_us=EPOCH_US, clock=clock), clock
 
 
-def fly(log: FlightLog, frames: int) -> None:
+def fly(log: FlightLog, packets: int) -> None:
     log.follow(armed=True)
-    for _ in range(frames):
+    for _ in range(packets):
         log.record(HEARTBEAT, link=1)
     log.flush()
     log.follow(armed=False)
@@ -117,8 +117,8 @@ def test_without_a_flight_there_are_no_logs(client: Client) -> None:
 
 
 def test_logs_are_listed_as_far_as_asked(client: Client) -> None:
-    for frames in (1, 2, 3):
-        fly(client.log, frames)
+    for packets in (1, 2, 3):
+        fly(client.log, packets)
     size = 8 + len(HEARTBEAT)
     assert client.entries() == [(n, 3, 2, (n + 1) * size) for n in range(3)]
     assert client.entries(1, 1) == [(1, 3, 2, 2 * size)]

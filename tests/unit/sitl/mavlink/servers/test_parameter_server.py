@@ -8,7 +8,7 @@ from sitl.clock import SECOND_US, TICK_US
 from sitl.mavlink.servers.parameter_server import HASH_INDEX, ParameterServer
 from sitl.mavlink.servers.request import Request
 from sitl.mavlink.wire.dialect import mavlink
-from sitl.mavlink.wire.framing import Packet, frame, split
+from sitl.mavlink.wire.packets import Packed, split, wrap
 from tests.unit.sitl.mavlink.fakes import FakeOutlet, FakeParameters, make_request
 
 INT32, UINT32, REAL32 = 6, 5, 9
@@ -19,7 +19,7 @@ class Bench:
 
     def __init__(self) -> None:
         self.parameters = FakeParameters()
-        self.everywhere: list[Packet] = []
+        self.everywhere: list[Packed] = []
         self.server = ParameterServer(self.parameters, self.everywhere.append)
         self.outlet = FakeOutlet()
         self.request: Request = make_request(self.outlet)
@@ -33,8 +33,8 @@ class Bench:
         message = mavlink.MAVLink_param_set_message(1, 1, name.encode(), value, kind)
         self.server.set(message, self.request)
         echoed, self.everywhere[:] = list(self.everywhere), []
-        frames = [frame(packet, sequence=0, system=1, component=1) for packet in echoed]
-        return [split(raw)[0].message for raw in frames]
+        packets = [wrap(packed, sequence=0, system=1, component=1) for packed in echoed]
+        return [split(raw)[0].message for raw in packets]
 
     def list_all(self) -> list[Any]:
         self.server.request_list(None, self.request)
@@ -71,8 +71,8 @@ def test_no_integer_is_changed_by_its_way_through_a_float(value: int) -> None:
     bench = Bench()
     bench.parameters.values["MAV_SYS_ID"] = value
     bench.read("MAV_SYS_ID")
-    (packet,) = bench.outlet.packets
-    assert struct.unpack("<i", packet.payload[:4]) == (value,)
+    (packed,) = bench.outlet.packed
+    assert struct.unpack("<i", packed.payload[:4]) == (value,)
 
 
 def test_a_list_goes_out_at_px4s_pace() -> None:

@@ -111,7 +111,7 @@ def test_a_body_setpoint_with_nan_forward_is_passed_on_without_horizontal_veloci
     assert setpoint.velocity_ned[2] == 0.5
 
 
-def test_the_server_remembers_the_frame_that_is_answered_even_if_it_refuses() -> None:
+def test_the_server_remembers_the_image_that_is_answered_even_if_it_refuses() -> None:
     vehicle = FakeVehicle()
     vehicle.time_us = 1_234_000
     server = SetpointServer(vehicle)
@@ -125,7 +125,7 @@ def test_the_server_remembers_the_frame_that_is_answered_even_if_it_refuses() ->
     assert server.take_answer() == 1_234_000
 
 
-def test_no_setpoint_answers_a_frame_that_is_yet_to_come() -> None:
+def test_no_setpoint_answers_an_image_that_is_yet_to_come() -> None:
     vehicle = FakeVehicle()
     vehicle.time_us = 1_232_000
     server = SetpointServer(vehicle)

@@ -10,7 +10,7 @@ from sitl.mavlink.streams import health, identity
 from sitl.mavlink.streams.encoders import ENCODERS
 from sitl.mavlink.streams.view import View
 from sitl.mavlink.wire.dialect import mavlink
-from sitl.mavlink.wire.framing import frame, pack, split
+from sitl.mavlink.wire.packets import pack, split, wrap
 from sitl.records.modes import Mode
 from tests.observed.idle import IDLE
 from tests.unit.sitl.mavlink.fakes import ECHO, FakeVehicle
@@ -40,11 +40,11 @@ ON_GROUND = {name: IDLE.get(name, {}) | OURS.get(name, {}) for name in IDLE.keys
 
 
 def encode(name: str, vehicle: FakeVehicle) -> Any:
-    """Encode a message, send it through its frame, and decode it."""
+    """Encode a message, send it through its packet, and decode it."""
     message = ENCODERS[getattr(mavlink, f"MAVLINK_MSG_ID_{name}")](View(vehicle))
     if message is None:
         return None
-    (received,) = split(frame(pack(message), sequence=0, system=1, component=1))
+    (received,) = split(wrap(pack(message), sequence=0, system=1, component=1))
     assert received.message.get_type() == name
     return received.message
 
@@ -200,9 +200,9 @@ def test_available_modes_are_numbered_and_nameable() -> None:
 
 
 def test_protocol_version_is_mavlink_2() -> None:
-    packet = identity.protocol_version()
-    assert packet.message_id == 300
-    assert packet.payload == bytes([200, 0, 100, 0, 200])
+    packed = identity.protocol_version()
+    assert packed.message_id == 300
+    assert packed.payload == bytes([200, 0, 100, 0, 200])
 
 
 def test_components_cannot_be_taken_for_the_vehicle() -> None:

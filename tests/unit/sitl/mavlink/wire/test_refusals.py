@@ -10,11 +10,11 @@ def test_a_flood_costs_one_line_in_a_while(caplog: pytest.LogCaptureFixture) -> 
     refusals.report(0.0)
     assert not caplog.records
     for tick in range(1000):
-        refusals.note([Refusal.UNSIGNED, Refusal.UNSIGNED, Refusal.NO_FRAME])
+        refusals.note([Refusal.UNSIGNED, Refusal.UNSIGNED, Refusal.NO_PACKET])
         refusals.report(tick * REPORT_S / 500.0)
     assert [record.getMessage() for record in caplog.records] == [
-        "refused: 2 unsigned, 1 no valid frame",
-        "refused: 1000 unsigned, 500 no valid frame",
+        "refused: 2 unsigned, 1 no valid packet",
+        "refused: 1000 unsigned, 500 no valid packet",
     ]
 
 
@@ -33,6 +33,6 @@ def test_what_may_be_a_mistake_is_no_warning(caplog: pytest.LogCaptureFixture) -
     refusals = Refusals()
     refusals.note([Refusal.COMMAND, Refusal.PARAMETER])
     refusals.report(0.0)
-    refusals.note([Refusal.COMMAND, Refusal.NO_FRAME])
+    refusals.note([Refusal.COMMAND, Refusal.NO_PACKET])
     refusals.report(REPORT_S)
     assert [record.levelname for record in caplog.records] == ["INFO", "WARNING"]

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sitl.mavlink.wire.dialect import mavlink
-from sitl.mavlink.wire.framing import Packet, Received, frame, pack, split
+from sitl.mavlink.wire.packets import Packed, Received, pack, split, wrap
 from sitl.mavlink.wire.refusals import Refusal
 from sitl.mavlink.wire.signing import (
     MAX_STREAMS,
@@ -60,7 +60,7 @@ def make_signing(key: bytes | None = KEY) -> tuple[Signing, Clock]:
 
 
 def unsigned(message: Any = COMMAND) -> Received:
-    (received,) = split(frame(pack(message), sequence=0, system=255, component=190))
+    (received,) = split(wrap(pack(message), sequence=0, system=255, component=190))
     return received
 
 
@@ -70,8 +70,8 @@ def tampered(received: Received, place: int) -> Received:
     return received._replace(raw=bytes(raw))
 
 
-def sign(signing: Signing, packet: Packet, link: int = 2, sequence: int = 0) -> bytes:
-    raw = frame(packet, sequence=sequence, system=1, component=1, is_signed=True)
+def sign(signing: Signing, packed: Packed, link: int = 2, sequence: int = 0) -> bytes:
+    raw = wrap(packed, sequence=sequence, system=1, component=1, is_signed=True)
     return raw + signing.signature(raw, link)
 
 
@@ -127,7 +127,7 @@ def test_any_key_and_any_payload_agree_with_pymavlink(key: bytes, link: int, tai
         ("future", Refusal.FUTURE),
     ],
 )
-def test_a_bad_frame_changes_nothing_and_a_valid_one_after_it_is_accepted(
+def test_a_bad_packet_changes_nothing_and_a_valid_one_after_it_is_accepted(
     name: str, refusal: Refusal
 ) -> None:
     signing, _ = make_signing()

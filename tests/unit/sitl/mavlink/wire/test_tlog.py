@@ -8,7 +8,7 @@ from pymavlink import mavutil
 
 from sitl.errors import UsageError
 from sitl.mavlink.wire.dialect import mavlink
-from sitl.mavlink.wire.framing import frame, pack
+from sitl.mavlink.wire.packets import pack, wrap
 from sitl.mavlink.wire.tlog import TlogWriter
 
 HEARTBEAT = mavlink.MAVLink_heartbeat_message(2, 12, 29, 0, 3, 3)
@@ -21,7 +21,7 @@ def test_pymavlink_reads_times_and_links_back(tmp_path: Path) -> None:
     writer = TlogWriter(path, unix_epoch_us=EPOCH_US, clock=lambda: now_us)
     for number in range(5):
         now_us = number * 52_000
-        raw = frame(pack(HEARTBEAT), sequence=number, system=1, component=1)
+        raw = wrap(pack(HEARTBEAT), sequence=number, system=1, component=1)
         writer.record(raw, link=number % 2)
     writer.flush()
     log = mavutil.mavlink_connection(str(path), robust_parsing=True)
@@ -35,10 +35,10 @@ def test_pymavlink_reads_times_and_links_back(tmp_path: Path) -> None:
 
 
 def test_a_long_log_goes_on_in_further_files(tmp_path: Path) -> None:
-    raw = frame(pack(HEARTBEAT), sequence=0, system=1, component=1)
+    raw = wrap(pack(HEARTBEAT), sequence=0, system=1, component=1)
     record = 8 + len(raw)
     path = tmp_path / "flight.tlog"
-    writer = TlogWriter(path, unix_epoch_us=0, clock=lambda: 0, most_bytes=2 * record)
+    writer = TlogWriter(path, unix_epoch_us=0, clock=lambda: 0, max_bytes=2 * record)
     for _ in range(5):
         writer.record(raw, link=0)
         writer.flush()
@@ -52,9 +52,9 @@ def test_a_file_that_cannot_follow_ends_the_log(
 ) -> None:
     (tmp_path / "flight.1.tlog").mkdir()
     path = tmp_path / "flight.tlog"
-    writer = TlogWriter(path, unix_epoch_us=0, clock=lambda: 0, most_bytes=1)
+    writer = TlogWriter(path, unix_epoch_us=0, clock=lambda: 0, max_bytes=1)
     for _ in range(3):
-        writer.record(frame(pack(HEARTBEAT), sequence=0, system=1, component=1), link=0)
+        writer.record(wrap(pack(HEARTBEAT), sequence=0, system=1, component=1), link=0)
         writer.flush()
     writer.close()
     assert caplog.text.count("ends here") == 1
@@ -84,7 +84,7 @@ def test_a_full_disk_is_reported_once_and_leaves_whole_records(
 ) -> None:
     path = tmp_path / "flight.tlog"
     writer = TlogWriter(path, unix_epoch_us=EPOCH_US, clock=lambda: 0)
-    raw = frame(pack(HEARTBEAT), sequence=0, system=1, component=1)
+    raw = wrap(pack(HEARTBEAT), sequence=0, system=1, component=1)
     for _ in range(2 * file_limit // len(raw)):
         writer.record(raw, link=0)
     writer.flush()
@@ -100,7 +100,7 @@ def test_a_device_that_takes_nothing_does_not_end_the_flight(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     writer = TlogWriter(Path("/dev/full"), unix_epoch_us=0, clock=lambda: 0)
-    writer.record(b"frame", link=1)
+    writer.record(b"packet", link=1)
     writer.flush()
     writer.close()
     assert "No space left on device" in caplog.text

@@ -5,7 +5,7 @@ import pytest
 
 from sitl.frames import quaternion_from_euler
 from sitl.records.course import Gate
-from sitl.records.gate import INNER_M, OUTER_M
+from sitl.records.gate import GATE_INNER_M, GATE_OUTER_M
 from sitl.sensors.camera.camera import SIZE_PX, Camera
 from sitl.sensors.camera.look import draw_look, make_texture
 
@@ -37,11 +37,11 @@ def test_a_gate_has_its_size_at_its_distance(camera):
     columns = np.flatnonzero(mask.any(axis=0))
     outer_px = columns[-1] - columns[0] + 1
     face_m = 4.0 - 0.075  # the face towards the camera
-    assert outer_px == pytest.approx(OUTER_M / face_m * SIZE_PX / 2, abs=1.5)
+    assert outer_px == pytest.approx(GATE_OUTER_M / face_m * SIZE_PX / 2, abs=1.5)
     middle = mask[SIZE_PX // 2]
     assert not middle[SIZE_PX // 2 - 3 : SIZE_PX // 2 + 3].any()  # one sees through it
     inner_px = np.diff(np.flatnonzero(middle)).max() - 1
-    assert inner_px == pytest.approx(INNER_M / face_m * SIZE_PX / 2, abs=2.0)
+    assert inner_px == pytest.approx(GATE_INNER_M / face_m * SIZE_PX / 2, abs=2.0)
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from sitl.clock import TICK_S
 from sitl.frames import GRAVITY_M_S2
 from sitl.sensors.estimate import shaken
-from sitl.sensors.estimate.drift import TICK_S
 from sitl.sensors.estimate.shaken import Pull, ShakenDrift
 from sitl.sensors.imu import SHAKEN_ACCELEROMETER_STD_M_S2, SHAKEN_GYRO_STD_RAD_S
 from sitl.sensors.noise import normals

@@ -11,14 +11,14 @@ import pytest
 from sitl.errors import LinkError
 from sitl.process.streams.camera_stream import MAX_CLIENTS, CameraStream
 from sitl.process.streams.http_stream import MAX_REQUEST_BYTES
-from sitl.records.images import Frame
+from sitl.records.images import Image
 
 GET_STREAM = b"GET /stream HTTP/1.1\r\nHost: localhost\r\n\r\n"
 
 
-def make_frame(sequence: int, size: int = 64) -> Frame:
+def make_image(sequence: int, size: int = 64) -> Image:
     rgb = np.random.default_rng(sequence).integers(0, 256, (size, size, 3), dtype=np.uint8)
-    return Frame(time_us=sequence * 52_000, sequence=sequence, rgb=rgb)
+    return Image(time_us=sequence * 52_000, sequence=sequence, rgb=rgb)
 
 
 class Viewer:
@@ -69,20 +69,20 @@ def test_parts_are_stamped_and_lossless(stream: CameraStream) -> None:
     viewer = Viewer(stream)
     assert b"multipart/x-mixed-replace; boundary=frame" in viewer.read_head()
     for sequence in (0, 1, 25):
-        frame = make_frame(sequence)
-        stream.publish(frame)
+        image = make_image(sequence)
+        stream.publish(image)
         headers, data = viewer.read_part()
         assert headers["Content-Type"] == "image/png"
         assert headers["X-Sequence"] == str(sequence)
         assert headers["X-Timestamp"] == f"{sequence * 0.052:.6f}"
         bgr = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
-        assert np.array_equal(bgr[:, :, ::-1], frame.rgb)
+        assert np.array_equal(bgr[:, :, ::-1], image.rgb)
     viewer.socket.close()
 
 
-def test_a_new_viewer_gets_the_latest_frame_at_once(stream: CameraStream) -> None:
-    stream.publish(make_frame(0))
-    stream.publish(make_frame(7))
+def test_a_new_viewer_gets_the_latest_image_at_once(stream: CameraStream) -> None:
+    stream.publish(make_image(0))
+    stream.publish(make_image(7))
     viewer = Viewer(stream)
     viewer.read_head()
     assert viewer.read_part()[0]["X-Sequence"] == "7"
@@ -92,7 +92,7 @@ def test_a_new_viewer_gets_the_latest_frame_at_once(stream: CameraStream) -> Non
 def test_jpeg_for_those_who_ask(stream: CameraStream) -> None:
     viewer = Viewer(stream, GET_STREAM.replace(b"/stream", b"/stream.mjpg?x=1"))
     viewer.read_head()
-    stream.publish(make_frame(0))
+    stream.publish(make_image(0))
     headers, data = viewer.read_part()
     assert headers["Content-Type"] == "image/jpeg"
     assert cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR).shape == (64, 64, 3)
@@ -154,7 +154,7 @@ def test_an_endless_request_is_cut_off(stream: CameraStream) -> None:
     viewer.socket.close()
 
 
-def test_a_slow_viewer_skips_frames_and_holds_nobody_up(stream: CameraStream) -> None:
+def test_a_slow_viewer_skips_images_and_holds_nobody_up(stream: CameraStream) -> None:
     slow = socket.socket()
     slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
     slow.connect(("127.0.0.1", stream.port))
@@ -163,7 +163,7 @@ def test_a_slow_viewer_skips_frames_and_holds_nobody_up(stream: CameraStream) ->
     stream.serve(1.0)
     last = 60
     for sequence in range(last + 1):
-        stream.publish(make_frame(sequence, size=512))  # 0.8 MB each
+        stream.publish(make_image(sequence, size=512))  # 0.8 MB each
     viewer = Viewer.__new__(Viewer)
     viewer.socket, viewer.stream, viewer.data = slow, stream, b""
     slow.settimeout(0.0)

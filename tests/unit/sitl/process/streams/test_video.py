@@ -10,7 +10,7 @@ import pytest
 
 from sitl.errors import LinkError, UsageError
 from sitl.process.streams.video import VideoSender
-from sitl.records.images import Frame
+from sitl.records.images import Image
 
 av = pytest.importorskip("av")
 SIZE_PX, RATE_HZ = 64, 20
@@ -26,10 +26,10 @@ def viewer() -> Iterator[socket.socket]:
         yield viewer
 
 
-def picture(number: int) -> Frame:
+def picture(number: int) -> Image:
     rgb = np.zeros((SIZE_PX, SIZE_PX, 3), np.uint8)
     rgb[:, : 8 * number] = (200, 40, 90)
-    return Frame(time_us=50_000 * number, sequence=number, rgb=rgb)
+    return Image(time_us=50_000 * number, sequence=number, rgb=rgb)
 
 
 def units(payload: bytes) -> bytes:

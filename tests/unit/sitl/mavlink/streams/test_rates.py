@@ -5,7 +5,7 @@ import pytest
 
 from sitl.clock import SECOND_US, TICK_US
 from sitl.mavlink.streams.encoders import ENCODERS
-from sitl.mavlink.streams.streams import (
+from sitl.mavlink.streams.rates import (
     GROUND_STATION,
     MAX_QUEUE,
     NORMAL,

@@ -1,6 +1,6 @@
-"""Turn messages into MAVLink 2 frames, and datagrams of any content into messages.
+"""Turn messages into MAVLink 2 packets, and datagrams of any content into messages.
 
-A message's payload is packed once and framed for each link with that link's own sequence number.
+A message's payload is packed once and wrapped for each link with that link's own sequence number.
 """
 
 import operator
@@ -22,11 +22,11 @@ CHECKSUM = struct.Struct("<H")
 SIGNED = 0x01  # the one incompatibility flag that is defined
 SIGNATURE_BYTES = 13
 SHORTEST_BYTES = 8  # MAVLink 1 without payload
-MAX_BAD_FRAMES = 8  # in one datagram or piece; what follows is dropped
+MAX_BAD_PACKETS = 8  # in one datagram or piece; what follows is dropped
 
 
-class Packet(NamedTuple):
-    """A message ready to be framed."""
+class Packed(NamedTuple):
+    """A message ready to be wrapped in a packet."""
 
     message_id: int
     payload: bytes  # trailing zeros removed
@@ -34,7 +34,7 @@ class Packet(NamedTuple):
 
 
 class Received(NamedTuple):
-    """A message that came in, with the frame it came in."""
+    """A message that came in, with the packet it came in."""
 
     message_id: int  # not `message.id`: a field of that name hides it in some messages
     message: Message
@@ -44,24 +44,24 @@ class Received(NamedTuple):
 
     @property
     def is_signed(self) -> bool:
-        """Whether the frame carries a signature, good or bad."""
+        """Whether the packet carries a signature, good or bad."""
         return self.raw[0] == MAGIC_V2 and bool(self.raw[2] & SIGNED)
 
 
 _codec = mavlink.MAVLink(None)  # stateless as used here: no key, sequence numbers ignored
 
 
-def pack(message: Message) -> Packet:
+def pack(message: Message) -> Packed:
     """Serialise a message's payload."""
     payload = _serialiser(message.__class__)(message)
-    return Packet(message.get_msgId(), payload.rstrip(b"\0") or b"\0", message.crc_extra)
+    return Packed(message.get_msgId(), payload.rstrip(b"\0") or b"\0", message.crc_extra)
 
 
-def frame(
-    packet: Packet, *, sequence: int, system: int, component: int, is_signed: bool = False
+def wrap(
+    packed: Packed, *, sequence: int, system: int, component: int, is_signed: bool = False
 ) -> bytes:
-    """Wrap a packet in MAVLink 2 header and checksum; a signature is still to be added."""
-    message_id, payload, crc_extra = packet
+    """Make a packet: add header and checksum; a signature is still to follow."""
+    message_id, payload, crc_extra = packed
     flags = SIGNED if is_signed else 0
     low, high = message_id & 0xFFFF, message_id >> 16
     body = HEADER.pack(len(payload), flags, 0, sequence, system, component, low, high) + payload
@@ -69,23 +69,23 @@ def frame(
 
 
 def split(datagram: bytes) -> list[Received]:
-    """Find the valid frames of known messages in a datagram; never raises."""
+    """Find the valid packets of known messages in a datagram; never raises."""
     return _split(datagram, is_stream=False)[0]
 
 
 def split_stream(data: bytes) -> tuple[list[Received], bytes]:
-    """Find the valid frames in a piece of a stream; what may be the beginning of one is left."""
+    """Find the valid packets in a piece of a stream; what may be the beginning of one is left."""
     return _split(data, is_stream=True)
 
 
 def _split(data: bytes, *, is_stream: bool) -> tuple[list[Received], bytes]:
     received: list[Received] = []
     position = bad = 0
-    while bad < MAX_BAD_FRAMES:
+    while bad < MAX_BAD_PACKETS:
         position = _next_magic(data, position)
         if position < 0:
             break
-        if is_stream and len(data) - position < _frame_bytes(data, position):
+        if is_stream and len(data) - position < _packet_bytes(data, position):
             return received, data[position:]
         raw = _candidate(data, position)
         item = _decode(raw) if raw is not None else None
@@ -105,16 +105,16 @@ def _next_magic(data: bytes, start: int) -> int:
 
 
 def _candidate(data: bytes, start: int) -> bytes | None:
-    """Cut out the frame that would begin at `start`; None if it cannot be one."""
-    end = start + _frame_bytes(data, start)
+    """Cut out the packet that would begin at `start`; None if it cannot be one."""
+    end = start + _packet_bytes(data, start)
     is_v2 = data[start] == MAGIC_V2
     if end > len(data) or (is_v2 and data[start + 2] & ~SIGNED):
         return None
     return data[start:end]
 
 
-def _frame_bytes(data: bytes, start: int) -> int:
-    """Say how long the frame that would begin at `start` is, or at least is."""
+def _packet_bytes(data: bytes, start: int) -> int:
+    """Say how long the packet that would begin at `start` is, or at least is."""
     if len(data) - start < SHORTEST_BYTES:
         return SHORTEST_BYTES
     if data[start] == MAGIC_V1:
@@ -123,7 +123,7 @@ def _frame_bytes(data: bytes, start: int) -> int:
 
 
 def _decode(raw: bytes) -> Received | None:
-    """Read a frame that is as long as it says; None if its checksum is wrong."""
+    """Read a packet that is as long as it says; None if its checksum is wrong."""
     if raw[0] == MAGIC_V1:
         begin, system, component, message_id = HEADER_V1, raw[3], raw[4], raw[5]
     else:
