@@ -1,7 +1,11 @@
+"""Rungs: every one that comes along can be flown, and a wrong one is one line."""
+
+from pathlib import Path
+
 import pytest
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.ladder.rungs import CLIMB, known_rungs, load_rung, parse_rung
+from flightstack.evaluation.ladder.rungs import known_rungs, load_rung, parse_rung
 from sitl.process.options.command_line import parse
 from tests.paths import DOCS
 
@@ -19,11 +23,12 @@ mean_ned_m_s = [3, 0, -0.5]
 """
 
 
-def test_the_ladder_has_its_rungs_in_order() -> None:
-    assert known_rungs() == list(CLIMB)
+def test_the_ladder_begins_with_the_papers_levels() -> None:
+    assert known_rungs()[:2] == ["level1", "level2"]
+    assert len(known_rungs()) == 19
 
 
-@pytest.mark.parametrize("name", CLIMB)
+@pytest.mark.parametrize("name", known_rungs())
 def test_the_vehicle_understands_every_rung(name: str) -> None:
     rung, condition = load_rung(name)
     assert condition.name == name
@@ -40,7 +45,7 @@ def test_a_rung_says_what_the_vehicle_is_told() -> None:
     assert told.wind.mean_ned_m_s == (3.0, 0.0, -0.5)
 
 
-def test_a_rung_of_ones_own_is_named_by_its_path(tmp_path) -> None:
+def test_a_rung_of_ones_own_is_named_by_its_path(tmp_path: Path) -> None:
     file = tmp_path / "bad-day.toml"
     file.write_text(FOG)
     _, condition = load_rung(str(file))
@@ -52,15 +57,15 @@ def test_a_rung_of_ones_own_is_named_by_its_path(tmp_path) -> None:
     [
         ("about = 1\nnoise_m = [1.0, 2.0]", ["about", "str"]),
         ('about = ""', ["noise_m", "missing"]),
-        ('about = ""\nnoise_m = [1.0]', ["noise_m", "two numbers"]),
+        ('about = ""\nnoise_m = [1.0]', ["noise_m", "2 numbers"]),
         ('about = ""\nnoise_m = [1.0, 2.0]\ndirection = "up"', ["direction", "'cw'"]),
         ('about = ""\nnoise_m = [1.0, -2.0]', ["noise_m", "from 0"]),
-        ('about = ""\nnoise_m = [nan, 2.0]', ["noise_m", "from 0", "got nan"]),
+        ('about = ""\nnoise_m = [nan, 2.0]', ["noise_m", "expected float", "got nan"]),
         ('about = ""\nnoise_m = [9.0, 2.0]', ["noise_m", "to 4", "got 9.0"]),
-        ('about = ""\nnoise_m = [1.0, inf]', ["noise_m", "to 8", "got inf"]),
+        ('about = ""\nnoise_m = [1.0, inf]', ["noise_m", "expected float", "got inf"]),
         ('about = ""\nnoise_m = [1.0, 2.0]\ncommand_factor = 0.0', ["above 0"]),
-        ('about = ""\nnoise_m = [1.0, 2.0]\ncommand_factor = nan', ["above 0"]),
-        ('about = ""\nnoise_m = [1.0, 2.0]\ncommand_factor = inf', ["above 0"]),
+        ('about = ""\nnoise_m = [1.0, 2.0]\ncommand_factor = nan', ["command_factor", "got nan"]),
+        ('about = ""\nnoise_m = [1.0, 2.0]\ncommand_factor = inf', ["command_factor", "got inf"]),
         ('about = ""\nnoise_m = [1.0, 2.0]\nspeed = 2', ["unknown key 'speed'"]),
         ('about = ""\nnoise_m = [1.0, 2.0]\n[conditions.sea]', ["unknown table 'sea'", "wind"]),
         ("about =", ["Invalid value"]),
@@ -86,4 +91,4 @@ def test_the_document_shows_a_rung_as_it_may_be() -> None:
     text = document.read_text()
     _, condition = parse_rung("document", text.split("```toml\n")[1].split("```")[0])
     assert condition.vehicle_options == ("--condition=camera.latency_s=0.1",)
-    assert all(f"`{name}`" in text for name in CLIMB)
+    assert all(f"`{name}`" in text for name in known_rungs())
