@@ -21,6 +21,7 @@ from flightstack.evaluation.flights.flight import Flown, Landed
 from flightstack.evaluation.trials.asked import ASKED, asked_table, check_same
 from flightstack.evaluation.trials.experiment import Experiment, Key, Trial
 from flightstack.evaluation.trials.rows import TrialRow, header_line, read_rows, to_line
+from flightstack.files import write_whole
 
 ROWS, TIMES = "trials.csv", "times.csv"
 TRACES, LOGS = "traces", "logs"
@@ -56,9 +57,9 @@ class Folder:
         self._flown = self._read() if (path / ROWS).exists() else {}
         with told_if_unwritable():
             (path / TRACES).mkdir(parents=True, exist_ok=True)
-            _write_whole(path / ASKED, json.dumps(asked, indent=2) + "\n")
+            write_whole(path / ASKED, json.dumps(asked, indent=2) + "\n", durable=True)
             if not (path / ROWS).exists():
-                _write_whole(path / ROWS, header_line())
+                write_whole(path / ROWS, header_line(), durable=True)
 
     @property
     def rows(self) -> list[TrialRow]:
@@ -92,7 +93,9 @@ class Folder:
     def tidy(self) -> None:
         """Write the rows anew, in order."""
         with told_if_unwritable():
-            _write_whole(self.path / ROWS, header_line() + "".join(map(to_line, self.rows)))
+            write_whole(
+                self.path / ROWS, header_line() + "".join(map(to_line, self.rows)), durable=True
+            )
 
     def _read(self) -> dict[Key, TrialRow]:
         return {row.key: row for row in read_trials(self.path, self._experiment)}
@@ -172,13 +175,3 @@ def _append(path: Path, line: str) -> None:
         file.write(line)
         file.flush()
         os.fsync(file.fileno())
-
-
-def _write_whole(path: Path, text: str) -> None:
-    """Replace a file at once, or leave it."""
-    partial = path.with_name(path.name + ".partial")
-    with partial.open("w", newline="") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    partial.replace(path)
