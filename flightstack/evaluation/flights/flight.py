@@ -25,8 +25,8 @@ from flightstack.evaluation.trials.rows import TrialRow
 
 ATTEMPTS = 3
 START_S = 120.0  # wall time
-FRAME_S = 0.05  # vehicle time between frames
-SLOWEST = 1.0  # times real time: what is slower hangs
+IMAGE_S = 0.05  # vehicle time between images
+MIN_SPEED_FACTOR = 1.0  # times real time: what is slower hangs
 DIED = ("link_lost", "interrupted", "course_over")  # outcomes that say nothing about the pilot
 RAN_FREE = "running free"  # the vehicle's words where lockstep was lost
 EXITS: dict[int | None, type[FlightstackError]] = {  # of who cannot fly at all
@@ -36,55 +36,55 @@ EXITS: dict[int | None, type[FlightstackError]] = {  # of who cannot fly at all
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Landed:
+class CompletedFlight:
     """What one flight left behind."""
 
     row: TrialRow
     trace: Trace
-    log: bytes | None  # where it was asked for
-    simulated_s: float  # vehicle time from the first frame to the last
+    log: bytes | None  # where it was requested
+    simulated_s: float  # vehicle time from the first image to the last
     flight_s: float  # wall time of the same
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Flown:
+class FlownTrial:
     """What came of a trial: a flight, or only deaths."""
 
     trial: Trial
-    landed: Landed | None
+    flight: CompletedFlight | None
     deaths: tuple[str, ...]  # why each earlier attempt gave no row
     wall_s: float  # of all attempts
 
     def after(self, deaths: int) -> Self:
         """Count so many more flights that died before, with the worker that flew them."""
-        if self.landed is None:
+        if self.flight is None:
             return self
-        row = replace(self.landed.row, retries=self.landed.row.retries + deaths)
-        return replace(self, landed=replace(self.landed, row=row))
+        row = replace(self.flight.row, retries=self.flight.row.retries + deaths)
+        return replace(self, flight=replace(self.flight, row=row))
 
 
-class Launcher:
+class TrialFlyer:
     """Flies trials one after another; for one thread."""
 
     def __init__(self) -> None:
         self.scratch: Path | None = None  # for flights' folders; else where temporary files are
         self._server: WarmServer | None = None
 
-    def fly(self, trial: Trial, provenance: Provenance, *, keep_log: bool = False) -> Flown:
+    def fly(self, trial: Trial, provenance: Provenance, *, keep_log: bool = False) -> FlownTrial:
         """Fly up to ATTEMPTS times; raises UsageError or ModelError where no attempt can help."""
         self._warm()  # which is no part of the trial
         began_s = time.monotonic()
         deaths: list[str] = []
-        landed = None
-        while landed is None and len(deaths) < ATTEMPTS:
+        flight = None
+        while flight is None and len(deaths) < ATTEMPTS:
             try:
-                landed = self._attempt(trial, provenance, keep_log=keep_log)
+                flight = self._attempt(trial, provenance, keep_log=keep_log)
             except FlightDiedError as error:
                 deaths.append(str(error))
-        if landed is not None:
-            landed = replace(landed, row=replace(landed.row, retries=len(deaths)))
+        if flight is not None:
+            flight = replace(flight, row=replace(flight.row, retries=len(deaths)))
         wall_s = time.monotonic() - began_s
-        return Flown(trial=trial, landed=landed, deaths=tuple(deaths), wall_s=wall_s)
+        return FlownTrial(trial=trial, flight=flight, deaths=tuple(deaths), wall_s=wall_s)
 
     def close(self) -> None:
         """End the fork server."""
@@ -92,7 +92,7 @@ class Launcher:
             self._server.close()
             self._server = None
 
-    def _attempt(self, trial: Trial, provenance: Provenance, *, keep_log: bool) -> Landed:
+    def _attempt(self, trial: Trial, provenance: Provenance, *, keep_log: bool) -> CompletedFlight:
         ports = Ports.find()
         with tempfile.TemporaryDirectory(prefix="trial-", dir=self.scratch) as name:
             folder = Path(name)
@@ -100,15 +100,15 @@ class Launcher:
                 VEHICLE: vehicle_arguments(trial, ports),
                 COMPANION: companion_arguments(trial, ports, folder),
                 "folder": name,
-                "limit_s": START_S + LAP_LIMIT_S * trial.laps / SLOWEST,
+                "limit_s": START_S + LAP_LIMIT_S * trial.laps / MIN_SPEED_FACTOR,
             }
             result = _result(trial, self._warm().fly(order), folder)
             try:
                 row, trace = read_flight(trial, provenance, result, folder / LOG)
             except FlightstackError as error:
                 raise FlightDiedError(f"its log cannot be read: {error}") from error
-            simulated_s = result["frames"] * FRAME_S
-            return Landed(
+            simulated_s = result["frames"] * IMAGE_S
+            return CompletedFlight(
                 row=row,
                 trace=trace,
                 log=(folder / LOG).read_bytes() if keep_log else None,
@@ -128,7 +128,7 @@ def _result(trial: Trial, exits: dict[str, int | None], folder: Path) -> dict[st
     """Read the companion's result; raises FlightDiedError where the flight was none.
 
     Raises UsageError or ModelError where a process refused its command line or its model, and
-    UsageError where the companion raised what nobody expected, such as a brought policy's error.
+    UsageError where the companion raised what nobody expected, such as an error of a user's policy.
     """
     words = {name: words_of(folder, name) for name in (VEHICLE, COMPANION)}
     for name, code in exits.items():

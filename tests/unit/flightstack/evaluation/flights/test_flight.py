@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.flights.flight import Launcher
+from flightstack.evaluation.flights.flight import TrialFlyer
 from flightstack.evaluation.flights.reading import Provenance
 from flightstack.evaluation.flights.warm import last_line
-from flightstack.evaluation.results import paper
-from flightstack.evaluation.trials.experiment import Row, Trial
+from flightstack.evaluation.trials import paper
+from flightstack.evaluation.trials.experiment import Competitor, Trial
 
 TRACEBACK = """Traceback (most recent call last):
   File "mine.py", line 7, in predict
@@ -17,7 +17,7 @@ TRACEBACK = """Traceback (most recent call last):
 ValueError: no idea
 """
 TRIAL = Trial(
-    row=Row(name="mine.good", model="strong/m0", strategy="de-mean"),
+    row=Competitor(name="mine.good", model="strong/m0", strategy="de-mean"),
     condition=paper.level("1"),
     track_seed=1000,
     trial=0,
@@ -43,7 +43,7 @@ class Ended:
 
 
 def fly_into(server: Ended, monkeypatch: pytest.MonkeyPatch) -> tuple[str, ...]:
-    launcher = Launcher()
+    launcher = TrialFlyer()
     monkeypatch.setattr(launcher, "_server", server)
     return launcher.fly(TRIAL, PROVENANCE).deaths
 

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from typing import Any
 
-from flightstack.evaluation.ablation.answer import Ablation, Answer
+from flightstack.evaluation.ablation.answer import Ablation, ConditionAnswer
 from flightstack.evaluation.ablation.design import FACTORS
 from flightstack.evaluation.pictures.dots import LINE_IN, draw_dot, lay_lines
 from flightstack.evaluation.pictures.style import COLOURS, INK, new_figure
-from flightstack.evaluation.results.statistics import CONFIDENCE, Estimate
+from flightstack.evaluation.results.statistics import CONFIDENCE, MeanEstimate
 
 PANEL_IN = 4.4
 LABELS_IN = 2.6
@@ -16,14 +16,14 @@ WHOLE, PART, PACE = COLOURS[6], COLOURS[0], COLOURS[1]
 
 
 def draw_ablation(ablation: Ablation) -> Any:
-    """Return the picture: a panel a condition, a line a part."""
+    """Return the picture: a panel per condition, a line per part."""
     answers = ablation.answers
     if not answers:
         figure = new_figure(LABELS_IN + PANEL_IN, HEAD_IN)
         figure.suptitle("No condition is complete yet", color=INK)
         return figure
-    most = max(len(list(effects(answer))) for answer in answers)
-    figure = new_figure(LABELS_IN + PANEL_IN * len(answers), HEAD_IN + LINE_IN * most)
+    lines = max(len(list(effects(answer))) for answer in answers)
+    figure = new_figure(LABELS_IN + PANEL_IN * len(answers), HEAD_IN + LINE_IN * lines)
     plots = figure.subplots(1, len(answers), squeeze=False, sharey=True)[0]
     for plot, answer in zip(plots, answers, strict=True):
         found = list(effects(answer))
@@ -40,7 +40,7 @@ def draw_ablation(ablation: Ablation) -> Any:
     return figure
 
 
-def effects(answer: Answer) -> Iterator[tuple[str, Estimate, str]]:
+def effects(answer: ConditionAnswer) -> Iterator[tuple[str, MeanEstimate, str]]:
     """Yield what is drawn, from the top: its text, the gates it brings, its colour."""
     yield "mi-mode - de-mean", answer.whole.gates, WHOLE
     for factor in FACTORS:

@@ -9,7 +9,7 @@ EXIT_BY_SIGNAL = 128  # plus the signal's number, as shells say it
 
 
 @contextlib.contextmanager
-def stopping_once() -> Iterator[None]:
+def interrupted_once() -> Iterator[None]:
     """Raise KeyboardInterrupt at SIGINT and SystemExit at SIGTERM, once.
 
     All further ones are ignored until the process ends, so that neither workers nor files of

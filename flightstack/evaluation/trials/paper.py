@@ -5,11 +5,11 @@ References:
 """
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.trials.experiment import Condition, Row
-from sitl.world.track import MAX_HEIGHT_NOISE_M, MAX_RADIUS_NOISE_M
+from flightstack.evaluation.trials.experiment import Competitor, Condition
+from flightstack.evaluation.trials.rungs import MAX_NOISE_M, load_rung
 
 GATES = 32  # 4 laps
-LEVELS = {"level1": (1.0, 2.0), "level2": (1.5, 3.0)}  # m, of the gates' radius and height
+LEVELS = ("level1", "level2")  # rungs of the ladder, too
 STRATEGIES = {"mi-mode": "mi-mode", "mean": "de-mean"}
 MEAN_GATES = {  # of 32, by row and level; 6 tracks x 2 trials
     "m0-mi-mode": {"level1": 28.88, "level2": 23.05},
@@ -21,7 +21,7 @@ MEAN_GATES = {  # of 32, by row and level; 6 tracks x 2 trials
 }
 
 
-def rows(recipe: str, names: tuple[str, ...] = tuple(MEAN_GATES)) -> tuple[Row, ...]:
+def rows(recipe: str, names: tuple[str, ...] = tuple(MEAN_GATES)) -> tuple[Competitor, ...]:
     """Return rows of the table, flown by the models of a recipe; raises UsageError."""
     unknown = next((name for name in names if name not in MEAN_GATES), None)
     if unknown is not None:
@@ -32,19 +32,19 @@ def rows(recipe: str, names: tuple[str, ...] = tuple(MEAN_GATES)) -> tuple[Row, 
 def level(text: str) -> Condition:
     """Make a condition of "1", "2", "level1", or of other noise as "2.0,4.0" (m)."""
     name = f"level{text}" if f"level{text}" in LEVELS else text
-    if name in LEVELS:
-        return Condition(name=name, noise_m=LEVELS[name])
+    known = {name: load_rung(name)[1] for name in LEVELS}
+    if name in known:
+        return known[name]
     try:
         radius_m, height_m = map(float, text.split(","))
     except ValueError:
         radius_m = height_m = -1.0
-    if not (0.0 <= radius_m <= MAX_RADIUS_NOISE_M and 0.0 <= height_m <= MAX_HEIGHT_NOISE_M):
+    if not (0.0 <= radius_m <= MAX_NOISE_M[0] and 0.0 <= height_m <= MAX_NOISE_M[1]):
         raise UsageError(f"level {text!r}: expected 1, 2, or noise in m such as 2.0,4.0")
-    known = {noise_m: name for name, noise_m in LEVELS.items()}
-    name = known.get((radius_m, height_m), f"noise-{radius_m:g}-{height_m:g}")
-    return Condition(name=name, noise_m=(radius_m, height_m))
+    own = Condition(name=f"noise-{radius_m:g}-{height_m:g}", noise_m=(radius_m, height_m))
+    return next((level for level in known.values() if level.noise_m == own.noise_m), own)
 
 
-def _row(recipe: str, name: str) -> Row:
+def _row(recipe: str, name: str) -> Competitor:
     model, _, decision = name.partition("-")
-    return Row(name=name, model=f"{recipe}/{model}", strategy=STRATEGIES[decision])
+    return Competitor(name=name, model=f"{recipe}/{model}", strategy=STRATEGIES[decision])

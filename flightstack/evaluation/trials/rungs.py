@@ -104,5 +104,5 @@ def _options(conditions: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
 
 @cache
 def _known() -> dict[str, Any]:
-    text = (files("flightstack.evaluation.ladder") / f"rungs{SUFFIX}").read_text()
+    text = (files("flightstack.evaluation.trials") / f"rungs{SUFFIX}").read_text()
     return read_toml(text, where="rungs.toml")

@@ -1,4 +1,4 @@
-"""Tell of a ladder: a line a rung, a column a row, and what each rung costs on the same tracks."""
+"""Tell of a ladder: a line per rung, a column per row, and what a rung costs on the same tracks."""
 
 from collections.abc import Callable, Mapping, Sequence
 
@@ -10,15 +10,15 @@ from flightstack.evaluation.results.markdown import (
     survival,
     table,
 )
-from flightstack.evaluation.results.statistics import Estimate, difference_over
-from flightstack.evaluation.results.summary import Cell, Summary
+from flightstack.evaluation.results.statistics import MeanEstimate, difference_over
+from flightstack.evaluation.results.summary import Cell, ExperimentSummary
 from flightstack.evaluation.trials.rows import TrialRow, by_cell, by_track
 
 STANDS_ON = "level2"  # what most rungs add one trouble to
 
 
 def ladder_sections(
-    summary: Summary, rows: Sequence[TrialRow], about: Mapping[str, str], title: str
+    summary: ExperimentSummary, rows: Sequence[TrialRow], about: Mapping[str, str], title: str
 ) -> list[str]:
     """Write all; `about` says what each rung is."""
     gates = summary.cells[0].gates_total
@@ -41,7 +41,7 @@ def ladder_sections(
     ]
 
 
-def by_rung(summary: Summary, text: Callable[[Cell], str]) -> str:
+def by_rung(summary: ExperimentSummary, text: Callable[[Cell], str]) -> str:
     """Write one table of a figure of each cell: rungs by rows."""
     lines = []
     for condition in summary.conditions:
@@ -50,7 +50,7 @@ def by_rung(summary: Summary, text: Callable[[Cell], str]) -> str:
     return table(["rung", *summary.rows], lines)
 
 
-def rung_costs(rows: Sequence[TrialRow]) -> dict[tuple[str, str], Estimate]:
+def rung_costs(rows: Sequence[TrialRow]) -> dict[tuple[str, str], MeanEstimate]:
     """Subtract the gates on STANDS_ON from those on each rung, by (row, rung), paired by track."""
     cells = by_cell(rows)
     return {
@@ -62,7 +62,7 @@ def rung_costs(rows: Sequence[TrialRow]) -> dict[tuple[str, str], Estimate]:
     }
 
 
-def _costs(costs: Mapping[tuple[str, str], Estimate]) -> str:
+def _costs(costs: Mapping[tuple[str, str], MeanEstimate]) -> str:
     rows = list(dict.fromkeys(row for row, _ in costs))
     rungs = list(dict.fromkeys(rung for _, rung in costs))
     return table(

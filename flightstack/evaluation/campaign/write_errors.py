@@ -7,7 +7,7 @@ from flightstack.errors import UsageError
 
 
 @contextmanager
-def told_if_unwritable() -> Iterator[None]:
+def write_errors_as_usage() -> Iterator[None]:
     """Raise UsageError, with the path, for every OSError inside."""
     try:
         yield

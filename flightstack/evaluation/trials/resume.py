@@ -9,13 +9,13 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.trials.asked import ASKED, held_experiment
 from flightstack.evaluation.trials.experiment import Experiment
+from flightstack.evaluation.trials.request import REQUEST_FILE, held_experiment
 
 Options = Mapping[str, Iterable[object]]  # what each option would have to say
 
 
-def recall(
+def resume(
     options: argparse.Namespace, name: str, options_of: Callable[[Experiment], Options]
 ) -> Experiment:
     """Return the experiment of this name in the folder of `--out`.
@@ -26,7 +26,7 @@ def recall(
     held = held_experiment(options.out)
     if held.name != name:
         raise UsageError(f"{options.out} is of a {held.name}, not of a {name}")
-    check_given(options, options.out / ASKED, {**_shared_options(held), **options_of(held)})
+    check_given(options, options.out / REQUEST_FILE, {**_shared_options(held), **options_of(held)})
     return held
 
 

@@ -1,4 +1,4 @@
-"""Conduct an experiment as a command asks: fly what is missing, write the results, print them."""
+"""Run an experiment as a command requests: fly what is missing, write the results, print them."""
 
 import argparse
 from collections.abc import Callable, Mapping, Sequence
@@ -9,30 +9,30 @@ from rich.markdown import Markdown
 
 from flightstack.errors import UsageError
 from flightstack.evaluation.campaign import ray_backend
-from flightstack.evaluation.campaign.crew import RAY
 from flightstack.evaluation.campaign.flying import fly, models_of
 from flightstack.evaluation.campaign.folder import ROWS, Folder, read_trials
 from flightstack.evaluation.campaign.options import jobs_of
-from flightstack.evaluation.campaign.unwritable import told_if_unwritable
+from flightstack.evaluation.campaign.workers import RAY
+from flightstack.evaluation.campaign.write_errors import write_errors_as_usage
 from flightstack.evaluation.libraries import MissingLibraryError
 from flightstack.evaluation.pictures.gallery import Draw, draw_all
 from flightstack.evaluation.results import writing
-from flightstack.evaluation.results.summary import Pair, Summary, summarise
-from flightstack.evaluation.trials.brought_code import code_of
+from flightstack.evaluation.results.summary import ExperimentSummary, Pair, summarise
 from flightstack.evaluation.trials.experiment import Experiment
 from flightstack.evaluation.trials.rows import TrialRow
+from flightstack.evaluation.trials.user_code import code_of
 
 NO_PICTURES: Mapping[str, Draw] = {}
 SHOWN = 2  # sections on the terminal: the title and the first table
 
 
-def conduct(
+def run_experiment(
     experiment: Experiment,
     options: argparse.Namespace,
-    sections: Callable[[Summary], list[str]],
+    sections: Callable[[ExperimentSummary], list[str]],
     pairs: Sequence[Pair] | None = None,
     pictures: Mapping[str, Draw] = NO_PICTURES,
-) -> Summary:
+) -> ExperimentSummary:
     """Fly what is missing, or nothing for a report, and sum up.
 
     `pairs` are the rows whose differences are told, all where it is None; `pictures` are drawn
@@ -47,7 +47,7 @@ def conduct(
         raise UsageError(f"{options.out / ROWS} holds no trial yet")
     summary = summarise(rows, pairs)
     console = Console(highlight=False)
-    with told_if_unwritable():
+    with write_errors_as_usage():
         written = sections(summary)
         writing.write(options.out, summary, written)
         try:
@@ -65,7 +65,7 @@ def fly_missing(
 ) -> list[TrialRow]:
     """Fly what the folder at `path` lacks; returns all rows, in order.
 
-    Nothing is written before it is clear that all can be flown. Raises as `conduct` does.
+    Nothing is written before it is clear that all can be flown. Raises as `run_experiment` does.
     """
     jobs = jobs_of(options)
     if options.backend == RAY:

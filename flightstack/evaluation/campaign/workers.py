@@ -15,8 +15,8 @@ from joblib import Parallel, delayed
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from flightstack.evaluation.campaign import ray_backend
-from flightstack.evaluation.campaign.stopping import ignoring_interrupts
-from flightstack.evaluation.flights.flight import Flown, Launcher
+from flightstack.evaluation.campaign.interruption import ignoring_interrupts
+from flightstack.evaluation.flights.flight import FlownTrial, TrialFlyer
 from flightstack.evaluation.flights.reading import Provenance
 from flightstack.evaluation.trials.experiment import Trial
 
@@ -25,7 +25,7 @@ WORKER_DIED = "a worker process died"
 Order = tuple[Trial, Provenance]
 
 
-class Crew:
+class Workers:
     """Workers for one list of orders: where one of them dies, all flights under way are lost."""
 
     def __init__(self, jobs: int, backend: str, *, keep_logs: bool) -> None:
@@ -43,7 +43,7 @@ class Crew:
         self._began_s: dict[Trial, float] = {}  # of the flights under way, in monotonic time
         self.has_died = False
 
-    def fly(self, orders: Iterable[Order]) -> Generator[Flown, None, None]:
+    def fly(self, orders: Iterable[Order]) -> Generator[FlownTrial, None, None]:
         """Yield each trial as it lands; no more once `has_died`. Closing it ends all flights."""
         try:
             with contextlib.closing(self._flights(orders)) as flights:
@@ -54,15 +54,15 @@ class Crew:
             self.has_died = True
 
     @property
-    def lost(self) -> list[Flown]:
+    def lost(self) -> list[FlownTrial]:
         """The flights that a worker's death has ended."""
         now_s = time.monotonic()
         return [
-            Flown(trial=trial, landed=None, deaths=(WORKER_DIED,), wall_s=now_s - began_s)
+            FlownTrial(trial=trial, flight=None, deaths=(WORKER_DIED,), wall_s=now_s - began_s)
             for trial, began_s in self._began_s.items()
         ]
 
-    def _flights(self, orders: Iterable[Order]) -> Generator[Flown, None, None]:
+    def _flights(self, orders: Iterable[Order]) -> Generator[FlownTrial, None, None]:
         with tempfile.TemporaryDirectory(
             prefix="flightstack-trials-", ignore_cleanup_errors=True
         ) as scratch:  # here, not in the workers: those that are killed cannot tidy up
@@ -82,7 +82,7 @@ class Crew:
             yield order
 
 
-def _fly_one(order: Order, scratch: str, keep_log: bool) -> Flown:  # noqa: FBT001
+def _fly_one(order: Order, scratch: str, keep_log: bool) -> FlownTrial:  # noqa: FBT001
     trial, provenance = order
     launcher = _launcher()
     launcher.scratch = Path(scratch) if Path(scratch).is_dir() else None  # on another machine
@@ -90,10 +90,10 @@ def _fly_one(order: Order, scratch: str, keep_log: bool) -> Flown:  # noqa: FBT0
 
 
 @functools.cache
-def _launcher() -> Launcher:
+def _launcher() -> TrialFlyer:
     """Return this worker's own."""
     if multiprocessing.parent_process() is not None:  # one that was started late
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-    launcher = Launcher()
+    launcher = TrialFlyer()
     atexit.register(launcher.close)
     return launcher

@@ -1,4 +1,4 @@
-"""Conduct an ablation: find the controls on validation tracks, then fly strategies and controls."""
+"""Run an ablation: find the controls on validation tracks, then fly strategies and controls."""
 
 import argparse
 from collections.abc import Mapping, Sequence
@@ -17,18 +17,18 @@ from flightstack.evaluation.ablation.pace import (
     paces,
     validation_tracks,
 )
+from flightstack.evaluation.ablation.picture import draw_ablation
 from flightstack.evaluation.ablation.report import ablation_sections
-from flightstack.evaluation.campaign.conducting import conduct, fly_missing
 from flightstack.evaluation.campaign.folder import CALIBRATION, calibration_folder, read_trials
-from flightstack.evaluation.ladder.rungs import load_rung
-from flightstack.evaluation.pictures.ablation import draw_ablation
-from flightstack.evaluation.results.summary import Summary
+from flightstack.evaluation.results.summary import ExperimentSummary
 from flightstack.evaluation.results.writing import write_json
-from flightstack.evaluation.trials.asked import ASKED, held_experiment
+from flightstack.evaluation.run import fly_missing, run_experiment
 from flightstack.evaluation.trials.competitors import plain_name
-from flightstack.evaluation.trials.experiment import Experiment, Row, tracks
-from flightstack.evaluation.trials.recalling import check_given, recall
+from flightstack.evaluation.trials.experiment import Competitor, Experiment, tracks
+from flightstack.evaluation.trials.request import REQUEST_FILE, held_experiment
+from flightstack.evaluation.trials.resume import check_given, resume
 from flightstack.evaluation.trials.rows import TrialRow
+from flightstack.evaluation.trials.rungs import load_rung
 
 NAME = "ablation"
 ANSWER_FILE = "ablation.json"
@@ -36,16 +36,16 @@ CALIBRATION_LAPS = 1
 
 
 def ablate(options: argparse.Namespace) -> None:
-    """Do as the command asks; raises UsageError, ModelError or UnflownError.
+    """Do as the command requests; raises UsageError, ModelError or UnflownError.
 
     Whatever the flights would ask is checked before the first of the calibration.
     """
     if options.report_only:
-        experiment = recall(options, NAME, _options_of)
+        experiment = resume(options, NAME, _options_of)
         points = points_of([row.strategy for row in experiment.rows])
-        controls = find_controls(_strategies(points), paces(_recall_calibration(options)))
+        controls = find_controls(_strategies(points), paces(_resume_calibration(options)))
     else:
-        points, plain = _ask(options)
+        points, plain = _request(options)
         controls = find_controls(_strategies(points), paces(_calibrate(plain, options)))
         experiment = replace(plain, rows=_rows(options.model, _with_rules(points, controls)))
 
@@ -53,7 +53,7 @@ def ablate(options: argparse.Namespace) -> None:
     def found() -> Ablation:
         return answer(read_trials(options.out, experiment), points, controls)
 
-    def sections(summary: Summary) -> list[str]:
+    def sections(summary: ExperimentSummary) -> list[str]:
         write_json(options.out / ANSWER_FILE, found())
         return ablation_sections(summary, found(), experiment.rows[0].model)
 
@@ -62,10 +62,12 @@ def ablate(options: argparse.Namespace) -> None:
         for one in controls.values()
         if one.strategy != one.rule
     ]
-    conduct(experiment, options, sections, pairs, {"ablation": lambda _: draw_ablation(found())})
+    run_experiment(
+        experiment, options, sections, pairs, {"ablation": lambda _: draw_ablation(found())}
+    )
 
 
-def _ask(options: argparse.Namespace) -> tuple[tuple[Point, ...], Experiment]:
+def _request(options: argparse.Namespace) -> tuple[tuple[Point, ...], Experiment]:
     """Return the design, and the experiment as it is before the controls are known."""
     best = models.read_config(models.find(options.model) / models.CONFIG_FILE).policy.best_member
     points = factorial(with_best=bool(best)) if options.factorial else cube()
@@ -95,10 +97,10 @@ def _calibrate(plain: Experiment, options: argparse.Namespace) -> list[TrialRow]
     return fly_missing(experiment, calibration_folder(options.out), options, keep_logs=False)
 
 
-def _recall_calibration(options: argparse.Namespace) -> list[TrialRow]:
+def _resume_calibration(options: argparse.Namespace) -> list[TrialRow]:
     path = options.out / CALIBRATION
     held = held_experiment(path)
-    check_given(options, path / ASKED, {"validation_tracks": [len(held.track_seeds)]})
+    check_given(options, path / REQUEST_FILE, {"validation_tracks": [len(held.track_seeds)]})
     return read_trials(path, held)
 
 
@@ -120,5 +122,7 @@ def _with_rules(points: Sequence[Point], controls: Mapping[str, Control]) -> lis
     return list(dict.fromkeys([*_strategies(points), *rules]))
 
 
-def _rows(model: str, strategies: Sequence[str]) -> tuple[Row, ...]:
-    return tuple(Row(name=plain_name(name), model=model, strategy=name) for name in strategies)
+def _rows(model: str, strategies: Sequence[str]) -> tuple[Competitor, ...]:
+    return tuple(
+        Competitor(name=plain_name(name), model=model, strategy=name) for name in strategies
+    )

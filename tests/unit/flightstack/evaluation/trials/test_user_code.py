@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from flightstack.evaluation.results import paper
-from flightstack.evaluation.trials.brought_code import code_of
-from flightstack.evaluation.trials.experiment import Experiment, Row
+from flightstack.evaluation.trials import paper
+from flightstack.evaluation.trials.experiment import Competitor, Experiment
+from flightstack.evaluation.trials.user_code import code_of
 
 GOOD = "class Good:\n    def predict(self, z):\n        return 1\n"
 
@@ -20,8 +20,8 @@ def forget(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], None
     return sys.path_importer_cache.clear
 
 
-def asked(*options: str, strategy: str = "de-mean") -> Experiment:
-    row = Row(name="mine", model="strong/m0", strategy=strategy, companion_options=options)
+def request(*options: str, strategy: str = "de-mean") -> Experiment:
+    row = Competitor(name="mine", model="strong/m0", strategy=strategy, companion_options=options)
     return Experiment(
         name="benchmark", rows=(row,), conditions=(paper.level("1"),), track_seeds=(1,), trials=1
     )
@@ -31,7 +31,7 @@ def test_a_changed_line_is_other_code(tmp_path: Path, forget: Callable[[], None]
     file = tmp_path / "mine_alone.py"
     file.write_text(GOOD)
     forget()
-    mine = asked("--policy=mine_alone:Good")
+    mine = request("--policy=mine_alone:Good")
     before = code_of(mine)
     assert list(before) == ["mine_alone:Good"]
     assert code_of(mine) == before
@@ -46,7 +46,7 @@ def test_every_module_of_a_package_counts(tmp_path: Path, forget: Callable[[], N
         (folder / "__init__.py").write_text("")
     (inner / "good.py").write_text(GOOD)
     forget()
-    mine = asked("--perception=mine_whole.inner.good:Good", strategy="mine_whole:Other")
+    mine = request("--perception=mine_whole.inner.good:Good", strategy="mine_whole:Other")
     before = code_of(mine)
     assert sorted(before) == ["mine_whole.inner.good:Good", "mine_whole:Other"]
     assert len(set(before.values())) == 1
@@ -55,6 +55,6 @@ def test_every_module_of_a_package_counts(tmp_path: Path, forget: Callable[[], N
 
 
 def test_what_comes_along_is_not_hashed() -> None:
-    assert code_of(asked(strategy="mi-mode")) == {}
-    assert code_of(asked(strategy="all/mean/slow:0.84")) == {}
-    assert code_of(asked("--policy=flightstack.policy.ensemble:PolicyEnsemble")) == {}
+    assert code_of(request(strategy="mi-mode")) == {}
+    assert code_of(request(strategy="all/mean/slow:0.84")) == {}
+    assert code_of(request("--policy=flightstack.policy.ensemble:PolicyEnsemble")) == {}

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from flightstack.evaluation.ladder.report import ladder_sections, rung_costs
+from flightstack.evaluation.results.ladder import ladder_sections, rung_costs
 from flightstack.evaluation.results.summary import summarise
 from tests.unit.flightstack.evaluation.made_rows import made_row
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.ladder.rungs import known_rungs, load_rung, parse_rung
+from flightstack.evaluation.trials.rungs import known_rungs, load_rung, parse_rung
 from sitl.process.options.command_line import parse
 from tests.paths import DOCS
 

@@ -13,7 +13,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from flightstack.decision.strategies import STRATEGIES
-from flightstack.evaluation.trials.experiment import Experiment, Row
+from flightstack.evaluation.trials.experiment import Competitor, Experiment
 from flightstack.extensions import PERCEPTION, POLICY, STRATEGY, Group, is_brought
 
 OURS = "flightstack"
@@ -21,9 +21,9 @@ BY_OPTION = {f"--{group.kind}": group for group in (PERCEPTION, POLICY)}
 
 
 def code_of(experiment: Experiment) -> dict[str, str]:
-    """Return the SHA-256 of every brought part's source, by the part's name."""
+    """Return the SHA-256 of every part that users bring's source, by the part's name."""
     modules = {
-        name: _module(group, name) for row in experiment.rows for group, name in _brought(row)
+        name: _module(group, name) for row in experiment.rows for group, name in _users_parts(row)
     }
     return {
         name: _sha256(module.partition(".")[0])
@@ -32,7 +32,7 @@ def code_of(experiment: Experiment) -> dict[str, str]:
     }
 
 
-def _brought(row: Row) -> Iterator[tuple[Group, str]]:
+def _users_parts(row: Competitor) -> Iterator[tuple[Group, str]]:
     for text in row.companion_options:
         option, _, name = text.partition("=")
         if option in BY_OPTION:

@@ -1,4 +1,4 @@
-"""experiment.json: what a folder's experiment asks for, by which models and by whose code."""
+"""experiment.json: what a folder's experiment requests, by which models and by whose code."""
 
 import json
 from collections.abc import Mapping
@@ -9,12 +9,11 @@ from flightstack.errors import FlightstackError, UsageError
 from flightstack.evaluation.trials.experiment import Experiment
 from flightstack.tables import record_from_table
 
-ASKED = "experiment.json"
+REQUEST_FILE = "experiment.json"
 FIELDS = ("name", "rows", "conditions", "track_seeds", "trials", "laps")
-NOTHING_BROUGHT: dict[str, object] = {"code": {}}  # what older folders mean, and leave out
 
 
-def asked_table(
+def request_table(
     experiment: Experiment, models: Mapping[str, str], code: Mapping[str, str]
 ) -> dict[str, Any]:
     """Return what the file says, as JSON reads it; hashes as in `Folder`."""
@@ -23,12 +22,12 @@ def asked_table(
     return read
 
 
-def check_same(path: Path, asked: dict[str, Any]) -> None:
-    """Raise UsageError where the folder at `path` holds anything but what is asked."""
-    held = NOTHING_BROUGHT | _read(path)
-    if held == asked:
+def check_same(path: Path, request: dict[str, Any]) -> None:
+    """Raise UsageError where the folder at `path` holds anything but what is requested."""
+    held = _read(path)
+    if held == request:
         return
-    differing = ", ".join(key for key in asked if held.get(key) != asked[key])
+    differing = ", ".join(key for key in request if held.get(key) != request[key])
     raise UsageError(
         f"{path} holds another experiment (other {differing or 'fields'}): choose another --out"
     )
@@ -38,16 +37,16 @@ def held_experiment(path: Path) -> Experiment:
     """Read which experiment the folder at `path` holds; raises UsageError where it tells none."""
     table = {name: value for name, value in _read(path).items() if name in FIELDS}
     try:
-        return record_from_table(Experiment, table, where=str(path / ASKED))
+        return record_from_table(Experiment, table, where=str(path / REQUEST_FILE))
     except (ValueError, FlightstackError) as error:
-        raise UsageError(f"{path / ASKED} is damaged: {error}") from error
+        raise UsageError(f"{path / REQUEST_FILE} is damaged: {error}") from error
 
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        held = json.loads((path / ASKED).read_text())
+        held = json.loads((path / REQUEST_FILE).read_text())
     except (OSError, ValueError) as error:
-        raise UsageError(f"{path / ASKED} cannot be read: choose another --out") from error
+        raise UsageError(f"{path / REQUEST_FILE} cannot be read: choose another --out") from error
     if not isinstance(held, dict):
-        raise UsageError(f"{path / ASKED} is damaged: choose another --out")
+        raise UsageError(f"{path / REQUEST_FILE} is damaged: choose another --out")
     return held
