@@ -10,28 +10,35 @@ datagrams may be anything, honest orders and replayed frames among them.
 import argparse
 import contextlib
 import json
-import os
 import secrets
-import subprocess
 import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from subprocess import STDOUT
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
+from flightstack.launch.course import Course  # noqa: E402
+from flightstack.launch.instances import API_PORT, free_instance  # noqa: E402
+from flightstack.launch.ports import Ports  # noqa: E402
+from flightstack.launch.processes import (  # noqa: E402
+    COMPANION_MODULE,
+    VEHICLE_MODULE,
+    Pair,
+    Program,
+    started,
+)
 from scripts.bench.hostile_datagrams import Generator  # noqa: E402
 from scripts.bench.hostile_sockets import VEHICLE_PORTS, Attack, Observer  # noqa: E402
-from scripts.fly_course import API_PORT, LAP_LIMIT_S, free_instance  # noqa: E402
 
 BATCH = 64
 OFFBOARD = 6 << 16
-MOST_GROWTH = 1.05  # of resident memory
+MAX_GROWTH = 1.05  # of resident memory
 LIMIT_S = 3600.0  # wall time
 
 
@@ -58,20 +65,15 @@ class Flight:
 def fly(options: argparse.Namespace, count: int, seed: int, folder: Path) -> Flight:
     """Fly once; under attack by up to `count` datagrams."""
     flight, observer = Flight(), Observer()
-    key = (f"--signing-key={folder / 'key'}",) if options.signed else ()
     with free_instance() as instance, contextlib.ExitStack() as stack:
         observer.system = instance + 1
         generator = Generator(seed, system=instance + 1, orders=options.signed)
-        said = stack.enter_context((folder / "vehicle.txt").open("w+"))
-        vehicle = stack.enter_context(started(vehicle_command(options, instance, observer), said))
-        output = stack.enter_context((folder / "companion.txt").open("w+"))
-        companion = stack.enter_context(
-            started([*companion_command(options, instance), *key], output)
-        )
+        vehicle, companion = programs(options, Ports.of_instance(instance), observer, folder, stack)
+        pair = stack.enter_context(started(vehicle, companion))
         attack = stack.enter_context(contextlib.closing(Attack(generator, instance)))
-        watch(flight, observer, attack, generator, (vehicle, companion), count)
-        vehicle.terminate()
-        flight.vehicle_code = vehicle.wait(30.0)
+        watch(flight, observer, attack, generator, pair, count)
+        pair.vehicle.terminate()
+        flight.vehicle_code = pair.vehicle.wait(30.0)
         flight.said = (folder / "vehicle.txt").read_text()
         last_line = (folder / "companion.txt").read_text().rstrip().rpartition("\n")[2]
         flight.result = json.loads(last_line) if last_line.startswith("{") else {}
@@ -84,11 +86,11 @@ def watch(
     observer: Observer,
     attack: Attack,
     generator: Generator,
-    processes: tuple[subprocess.Popen[str], subprocess.Popen[str]],
+    pair: Pair,
     count: int,
 ) -> None:
     """Attack from OFFBOARD to the end of the course; then wait for the landing."""
-    vehicle, companion = processes
+    vehicle, companion = pair.vehicle, pair.companion
     deadline_s = time.monotonic() + LIMIT_S
     before: Counter[int] = Counter()
     while companion.poll() is None and vehicle.poll() is None and time.monotonic() < deadline_s:
@@ -104,38 +106,32 @@ def watch(
     flight.delivered = attack.sent - flight.dropped
 
 
-def vehicle_command(options: argparse.Namespace, instance: int, observer: Observer) -> list[str]:
-    """Spell out the vehicle's process."""
-    key = [f"--signing-key={options.key}"] if options.signed else []
-    return [
-        *(sys.executable, "-m", "sitl", "--lockstep", "--speed-factor=0"),
-        *(f"--instance={instance}", f"--laps={options.laps}", f"--noise={options.noise}"),
-        *(f"--track-seed={options.track_seed}", *key),
-        f"--gcs-link={VEHICLE_PORTS[0] + instance}:{observer.port}",
-    ]
-
-
-def companion_command(options: argparse.Namespace, instance: int) -> list[str]:
-    """Spell out the companion's process."""
-    return [
-        *(sys.executable, "-m", "flightstack.companion", f"--udp={API_PORT + instance}"),
-        *(f"--duration={LAP_LIMIT_S * options.laps}", "--json", "-q"),
-        f"--log={options.log}",
-    ]
-
-
-@contextlib.contextmanager
-def started(command: list[str], output: Any) -> Iterator[subprocess.Popen[str]]:
-    """Run a process; on any way out, end it."""
-    environment = {"OMP_NUM_THREADS": "1"} | os.environ | {"PYTHONPATH": str(ROOT)}
-    process = subprocess.Popen(
-        command, env=environment, stdout=output, stderr=subprocess.STDOUT, text=True
+def programs(
+    options: argparse.Namespace,
+    ports: Ports,
+    observer: Observer,
+    folder: Path,
+    stack: contextlib.ExitStack,
+) -> tuple[Program, Program]:
+    """Make both processes, with what they say in files of the folder."""
+    key = (f"--signing-key={folder / 'key'}",) if options.signed else ()
+    gcs_port = VEHICLE_PORTS[0] + ports.companion - API_PORT
+    course = Course(
+        laps=options.laps,
+        track_seed=options.track_seed,
+        noise=options.noise,
+        speed_factor=0.0,
+        vehicle_options=(f"--gcs-link={gcs_port}:{observer.port}", *key),
+        companion_options=("--json", "-q", f"--log={folder / 'companion.tlog'}", *key),
     )
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.wait()
+    said = [
+        stack.enter_context((folder / f"{role}.txt").open("wb"))
+        for role in ("vehicle", "companion")
+    ]
+    return (
+        Program.module(VEHICLE_MODULE, course.vehicle_arguments(ports), said[0], STDOUT),
+        Program.module(COMPANION_MODULE, course.companion_arguments(ports), said[1], STDOUT),
+    )
 
 
 def resident_kb(pid: int) -> int:
@@ -157,7 +153,7 @@ def judge(flight: Flight, reference: Flight) -> list[str]:
         if flight.result.get(name) != reference.result.get(name):
             was, is_now = reference.result.get(name), flight.result.get(name)
             harm.append(f"{name} {was} became {is_now}")
-    if flight.rss_after_kb > MOST_GROWTH * flight.rss_before_kb:
+    if flight.rss_after_kb > MAX_GROWTH * flight.rss_before_kb:
         harm.append(f"resident memory grew from {flight.rss_before_kb} to {flight.rss_after_kb} kB")
     return harm
 
@@ -194,8 +190,7 @@ def main(argv: list[str] | None = None) -> int:
     harm: list[str] = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        options.key, options.log = folder / "key", folder / "companion.tlog"
-        options.key.write_text(secrets.token_hex(32))
+        (folder / "key").write_text(secrets.token_hex(32))
         started_s = time.monotonic()
         reference = fly(options, 0, 0, folder)
         tell("undisturbed", reference, time.monotonic() - started_s)

@@ -12,10 +12,8 @@ other load disturbs alike. Wall times say something on an idle machine only.
 """
 
 import argparse
-import json
 import os
 import statistics
-import subprocess
 import sys
 from pathlib import Path
 
@@ -25,8 +23,8 @@ from rich.table import Table
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
+from flightstack.launch import fly  # noqa: E402
 from scripts.bench.flying import (  # noqa: E402
-    LIMIT_S,
     ROLES,
     Report,
     Stretch,
@@ -38,25 +36,20 @@ from scripts.bench.flying import (  # noqa: E402
 
 TICK_PARTS = ("autopilot", "physics", "referee, estimate")  # of the vehicle
 TICKS_A_FRAME = 12.5
-FEWEST_DECISIONS = 20  # a second of flight
+MIN_DECISIONS = 20  # a second of flight
 
 
 def fly_untimed(options: argparse.Namespace) -> float:
-    """Fly once by `scripts/fly`; the real-time factor of the whole mission."""
-    course = (f"--laps={options.laps}", f"--track-seed={options.track_seed}")
-    model = (f"--model={options.model}",) if options.model else ()
-    flight = subprocess.run(
-        [
-            *(sys.executable, str(ROOT / "scripts" / "fly_course.py"), "--fast", "--json"),
-            *(*course, *model, f"--noise={options.noise}"),
-        ],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-        timeout=LIMIT_S,
-        check=False,
+    """Fly once as `scripts/fly` does; the real-time factor of the whole mission."""
+    radius_m, height_m = map(float, options.noise.split(","))
+    flown = fly(
+        laps=options.laps,
+        track_seed=options.track_seed,
+        noise_m=(radius_m, height_m),
+        model=options.model,
+        fast=True,
     )
-    return float(json.loads(flight.stdout.splitlines()[-1])["real_time_factor"])
+    return flown.real_time_factor
 
 
 def fly_timed(options: argparse.Namespace, root: Path = ROOT) -> tuple[dict[str, Stretch], int]:
@@ -68,7 +61,7 @@ def fly_timed(options: argparse.Namespace, root: Path = ROOT) -> tuple[dict[str,
 
 def _fly(options: argparse.Namespace, root: Path, *, parts: bool = True) -> Report:
     report = fly_together(options, 1, parts=parts, root=root)[0]
-    if len(report.decided) < FEWEST_DECISIONS:
+    if len(report.decided) < MIN_DECISIONS:
         sys.exit("lockstep.py: the network flew for less than a second: no figures")
     return report
 
@@ -134,12 +127,12 @@ def compare(console: Console, options: argparse.Namespace, commit: str) -> None:
         table.add_column(name, justify="right")
     for figure in flown[commit][0]:
         there, here = ([flight[figure] for flight in flights] for flights in flown.values())
-        least_there, least_here = min(there), min(here)
+        min_there, min_here = min(there), min(here)
         by_turn = statistics.median(b / a for a, b in zip(there, here, strict=True))
         table.add_row(
             figure,
-            *(f"{least_there:.2f}", f"{least_here:.2f}"),
-            *(f"{least_here / least_there:.2f}", f"{by_turn:.2f}"),
+            *(f"{min_there:.2f}", f"{min_here:.2f}"),
+            *(f"{min_here / min_there:.2f}", f"{by_turn:.2f}"),
         )
     console.print(table)
 

@@ -1,6 +1,6 @@
 """Fork vehicle and companion from one warm process: what is slow to import is imported once.
 
-`python -m flightstack.evaluation.flights.fork_server` reads orders from standard input, a line of
+`python -m flightstack.launch.fork_server` reads orders from standard input, a line of
 JSON each, and flies them one after another; the answer is a line of JSON, too. Each of the two
 processes runs the very `main(argv)` that a user runs, with its output in files of the flight's
 folder. The flight is over when either has ended: the other is then killed, and so are both when
@@ -8,7 +8,6 @@ standard input ends, that is, when whoever gave the orders is gone.
 """
 
 import contextlib
-import ctypes
 import gc
 import importlib
 import json
@@ -21,12 +20,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import IO, Any, NoReturn
 
-VEHICLE, COMPANION = "sitl", "companion"  # also the processes' names, as `ps` shows them
+from flightstack.launch.order import COMPANION, VEHICLE
+from flightstack.launch.processes import LIBC, PR_SET_PDEATHSIG
+
 MAINS = {VEHICLE: "sitl.process.cli", COMPANION: "flightstack.companion.cli"}
 PRELOADED = (*MAINS.values(), "sitl.process.launch", "sitl.process.assembly")
 PRELOADED_LATE = ("flightstack.companion.flight", "flightstack.companion.pipeline")
-PR_SET_PDEATHSIG, PR_SET_NAME = 1, 15  # Linux prctl
-CRASHED = 70  # exit code of a process that raised what nobody expected
+PR_SET_NAME = 15  # Linux prctl
+UNCAUGHT = 1  # exit code of Python after an exception
 
 
 def main() -> int:
@@ -97,15 +98,14 @@ def _start(name: str, arguments: list[str], folder: Path) -> int:
 
 def _become(name: str, arguments: list[str], folder: Path) -> NoReturn:
     """Be that process, to its end."""
-    libc = ctypes.CDLL(None)
-    libc.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-    libc.prctl(PR_SET_NAME, name.encode())
+    LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    LIBC.prctl(PR_SET_NAME, name.encode())
     for path, number in ((folder / f"{name}.out", 1), (folder / f"{name}.err", 2)):
         with path.open("wb") as file:
             os.dup2(file.fileno(), number)
     os.environ["TMPDIR"] = str(folder)  # a killed process leaves nothing elsewhere
     run: Callable[[list[str]], int] = importlib.import_module(MAINS[name]).main
-    code = CRASHED
+    code = UNCAUGHT
     try:
         code = run(arguments)
     except SystemExit as error:  # argparse
