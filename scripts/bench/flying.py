@@ -19,7 +19,7 @@ from flightstack.launch.ports import Ports
 from flightstack.launch.processes import Process, Program, started
 
 ROOT = Path(__file__).resolve().parents[2]
-PROFILED = Path(__file__).with_name("profiled.py")
+PROFILED = Path("scripts", "bench", "profiled.py")  # each commit's own: it knows its modules
 ROLES = ("vehicle", "companion")
 LIMIT_S = 600.0
 Figures = dict[str, float]
@@ -40,7 +40,7 @@ class Report:
     """What both processes of one flight have written down."""
 
     snapshots: dict[str, list[dict[str, Any]]]  # by role
-    decided: list[tuple[float, int]]  # wall time s, frame stamp us
+    decided: list[tuple[float, int]]  # wall time s, image stamp us
 
     @property
     def flown(self) -> tuple[float, float]:
@@ -48,7 +48,7 @@ class Report:
         return self.decided[0][0], self.decided[-1][0]
 
     @property
-    def frame_times_s(self) -> list[float]:
+    def image_times_s(self) -> list[float]:
         """Wall time from each decision to the next."""
         return [after - before for (before, _), (after, _) in itertools.pairwise(self.decided)]
 
@@ -67,8 +67,8 @@ class Report:
             calls=spent("calls"),
         )
 
-    def frames(self, start_s: float, end_s: float) -> tuple[int, float]:
-        """How many frames were decided on in a stretch, and their vehicle time in s."""
+    def images(self, start_s: float, end_s: float) -> tuple[int, float]:
+        """How many images were decided on in a stretch, and their vehicle time in s."""
         stamps_us = [stamp_us for wall_s, stamp_us in self.decided if start_s <= wall_s <= end_s]
         return len(stamps_us) - 1, (stamps_us[-1] - stamps_us[0]) / 1e6
 
@@ -121,14 +121,13 @@ def flying(
     options: argparse.Namespace, folder: Path, *, parts: bool = True, root: Path = ROOT
 ) -> Iterator[Process]:
     """Fly with the code at `root`; gives the companion's process."""
-    path = os.pathsep.join(map(str, dict.fromkeys((root, ROOT))))
-    environment = os.environ | {"PYTHONPATH": path, "OMP_NUM_THREADS": "1"}
+    environment = os.environ | {"PYTHONPATH": str(root), "OMP_NUM_THREADS": "1"}
     detail = "parts" if parts else "whole"
 
     def program(role: str, arguments: list[str]) -> Program:
         report = str(folder / f"{role}.json")
         return Program(
-            command=[sys.executable, str(PROFILED), role, detail, report, *arguments],
+            command=[sys.executable, str(root / PROFILED), role, detail, report, *arguments],
             stdout=subprocess.DEVNULL,  # its summary names a log that goes with the folder
             environment=environment,
             folder=root,

@@ -4,7 +4,7 @@
 
 Flies the same course in lockstep twice: undisturbed, then under attack on both links, again and
 again until all datagrams are delivered. With --signed, vehicle and companion share a key, and the
-datagrams may be anything, honest orders and replayed frames among them.
+datagrams may be anything, honest orders and replayed packets among them.
 """
 
 import argparse

@@ -4,7 +4,7 @@
                                      [--against COMMIT [--rounds 4]]
 
 Flies vehicle and companion as two processes over their sockets, as fast as they can: once as they
-are, for the real-time factor from the first frame to the disarming; and once with their parts
+are, for the real-time factor from the first image to the disarming; and once with their parts
 timed, for the CPU time of every part in the stretch in which the network flew. With a commit it
 flies that commit's code in turns with this one, now the one first, now the other, and prints the
 least cost of each side by side, with their ratio, and the median of the ratios of all turns, which
@@ -35,7 +35,7 @@ from scripts.bench.flying import (  # noqa: E402
 )
 
 TICK_PARTS = ("autopilot", "physics", "referee, estimate")  # of the vehicle
-TICKS_A_FRAME = 12.5
+TICKS_PER_IMAGE = 12.5
 MIN_DECISIONS = 20  # a second of flight
 
 
@@ -53,10 +53,10 @@ def fly_untimed(options: argparse.Namespace) -> float:
 
 
 def fly_timed(options: argparse.Namespace, root: Path = ROOT) -> tuple[dict[str, Stretch], int]:
-    """Fly once with all parts timed; both processes while the network flew, and its frames."""
+    """Fly once with all parts timed; both processes while the network flew, and its images."""
     report = _fly(options, root)
-    frames, _ = report.frames(*report.flown)
-    return {role: report.stretch(role, *report.flown) for role in ROLES}, frames
+    images, _ = report.images(*report.flown)
+    return {role: report.stretch(role, *report.flown) for role in ROLES}, images
 
 
 def _fly(options: argparse.Namespace, root: Path, *, parts: bool = True) -> Report:
@@ -66,11 +66,11 @@ def _fly(options: argparse.Namespace, root: Path, *, parts: bool = True) -> Repo
     return report
 
 
-def print_parts(console: Console, title: str, stretch: Stretch, frames: int) -> None:
-    """Print one process: CPU time by part, a frame and in percent."""
+def print_parts(console: Console, title: str, stretch: Stretch, images: int) -> None:
+    """Print one process: CPU time by part, per image and in percent."""
     table = Table(title=title, title_justify="left")
     table.add_column("part")
-    for heading in ("ms a frame", "% of its CPU", "calls a frame"):
+    for heading in ("ms per image", "% of its CPU", "calls per image"):
         table.add_column(heading, justify="right")
     rest_s = stretch.process_cpu_s - sum(stretch.cpu_s.values())
     parts = sorted(stretch.cpu_s.items(), key=lambda item: -item[1])
@@ -78,38 +78,38 @@ def print_parts(console: Console, title: str, stretch: Stretch, frames: int) -> 
         calls = stretch.calls.get(part)
         table.add_row(
             part,
-            f"{cpu_s / frames * 1e3:.2f}",
+            f"{cpu_s / images * 1e3:.2f}",
             f"{cpu_s / stretch.process_cpu_s:.1%}",
-            "" if calls is None else f"{calls / frames:.1f}",
+            "" if calls is None else f"{calls / images:.1f}",
         )
     waiting_s = max(0.0, stretch.wall_s - stretch.process_cpu_s)
-    table.add_row("(waiting)", f"{waiting_s / frames * 1e3:.2f}", "", "", style="dim")
+    table.add_row("(waiting)", f"{waiting_s / images * 1e3:.2f}", "", "", style="dim")
     console.print(table)
 
 
 def tick_figures(options: argparse.Namespace, root: Path) -> dict[str, float]:
-    """Fly with all parts timed; CPU us a tick by part."""
-    stretches, frames = fly_timed(options, root)
-    ticks, vehicle = frames * TICKS_A_FRAME, stretches["vehicle"].cpu_s
-    parts = {f"{part}, us a tick": vehicle[part] / ticks * 1e6 for part in TICK_PARTS}
+    """Fly with all parts timed; CPU us per tick by part."""
+    stretches, images = fly_timed(options, root)
+    ticks, vehicle = images * TICKS_PER_IMAGE, stretches["vehicle"].cpu_s
+    parts = {f"{part}, us per tick": vehicle[part] / ticks * 1e6 for part in TICK_PARTS}
     return {**parts, "whole tick, us": sum(parts.values())}
 
 
-def frame_figures(options: argparse.Namespace, root: Path) -> dict[str, float]:
-    """Fly with nothing but the processes timed; CPU ms a frame by process, and the speed."""
+def image_figures(options: argparse.Namespace, root: Path) -> dict[str, float]:
+    """Fly with nothing but the processes timed; CPU ms per image by process, and the speed."""
     report = _fly(options, root, parts=False)
     start_s, end_s = report.flown
-    frames, vehicle_s = report.frames(start_s, end_s)
+    images, vehicle_s = report.images(start_s, end_s)
     costs = {
-        f"{role}, ms a frame": report.stretch(role, start_s, end_s).process_cpu_s / frames * 1e3
+        f"{role}, ms per image": report.stretch(role, start_s, end_s).process_cpu_s / images * 1e3
         for role in ROLES
     }
     both = sum(costs.values())
     return {
         **costs,
-        "both, ms a frame": both,
-        "wall time, ms a simulated s": (end_s - start_s) / vehicle_s * 1e3,
-        "wall time, ms the median frame": statistics.median(report.frame_times_s) * 1e3,
+        "both, ms per image": both,
+        "wall time, ms per simulated s": (end_s - start_s) / vehicle_s * 1e3,
+        "wall time, ms of the median image": statistics.median(report.image_times_s) * 1e3,
     }
 
 
@@ -118,7 +118,7 @@ def compare(console: Console, options: argparse.Namespace, commit: str) -> None:
     flown = in_turns(
         commit,
         options.rounds,
-        lambda root: tick_figures(options, root) | frame_figures(options, root),
+        lambda root: tick_figures(options, root) | image_figures(options, root),
     )
     title = f"The least of {options.rounds} flights each; CPU time unless it says wall"
     table = Table(title=title, title_justify="left")
@@ -149,9 +149,9 @@ def main() -> int:
         compare(console, options, options.against)
         return 0
     console.print(f"as it is: [bold]{fly_untimed(options):.1f} times real time[/bold]")
-    stretches, frames = fly_timed(options)
+    stretches, images = fly_timed(options)
     for role, stretch in stretches.items():
-        print_parts(console, role, stretch, frames)
+        print_parts(console, role, stretch, images)
     return 0
 
 

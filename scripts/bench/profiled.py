@@ -15,7 +15,7 @@ from scripts.bench.stopwatch import Stopwatch
 
 
 def time_vehicle(stopwatch: Stopwatch, *, parts: bool) -> None:
-    """Name the vehicle's parts, or the one thing that it does with each frame."""
+    """Name the vehicle's parts, or the one thing that it does with each image."""
     from sitl.process.quiet import quiet_outputs  # noqa: PLC0415 - only this role loads it
 
     with quiet_outputs():
@@ -43,7 +43,7 @@ def time_vehicle(stopwatch: Stopwatch, *, parts: bool) -> None:
 
 
 def time_companion(stopwatch: Stopwatch, decided: list[tuple[float, int]], *, parts: bool) -> None:
-    """Name the companion's parts, and note when it decides: wall time, frame stamp."""
+    """Name the companion's parts, and note when it decides: wall time, image stamp."""
     from flightstack.camera import multipart  # noqa: PLC0415 - only this role loads it
     from flightstack.companion import loop, pipeline  # noqa: PLC0415
     from flightstack.decision import strategies  # noqa: PLC0415
