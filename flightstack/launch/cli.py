@@ -8,16 +8,10 @@ import tempfile
 from collections.abc import Sequence
 
 from flightstack.errors import FlightstackError, UsageError
-from flightstack.launch.course import Course
 from flightstack.launch.instances import free_instance
 from flightstack.launch.ports import Ports
-from flightstack.launch.processes import (
-    COMPANION_MODULE,
-    VEHICLE_MODULE,
-    Program,
-    Stream,
-    started,
-)
+from flightstack.launch.processes import Stream, programs, started
+from flightstack.launch.request import FlightRequest
 from flightstack.launch.result import FlightResult, noise_m
 
 PROGRAM = "scripts/fly"
@@ -27,7 +21,7 @@ DID_NOT_FLY = "did not fly"
 def main(argv: Sequence[str] | None = None) -> int:
     """Fly; the companion's exit code is the command's."""
     options = _parse(argv)
-    course = Course(
+    request = FlightRequest(
         laps=options.laps,
         track_seed=options.track_seed,
         noise=options.noise,
@@ -39,34 +33,32 @@ def main(argv: Sequence[str] | None = None) -> int:
     )
     try:
         with tempfile.TemporaryFile("w+") as output:
-            exit_code = _fly(course, output if options.json else None)
+            exit_code = _fly(request, output if options.json else None)
             if options.json:
                 output.seek(0)
-                print(_result_line(output.read(), course, exit_code))
+                print(_result_line(output.read(), request, exit_code))
             return exit_code
     except FlightstackError as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
         return error.exit_code
 
 
-def _fly(course: Course, output: Stream) -> int:
+def _fly(request: FlightRequest, output: Stream) -> int:
     """Fly with both processes' words on the terminal; signals are for the companion."""
     with free_instance() as instance:
-        ports = Ports.of_instance(instance)
-        vehicle = Program.module(VEHICLE_MODULE, course.vehicle_arguments(ports))
-        companion = Program.module(COMPANION_MODULE, course.companion_arguments(ports), output)
-        with started(vehicle, companion) as pair:
+        both = programs(request, Ports.of_instance(instance), companion=(output, None))
+        with started(*both) as pair:
             for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
                 signal.signal(number, pair.pass_on)
             return pair.wait()
 
 
-def _result_line(output: str, course: Course, exit_code: int) -> str:
-    result = FlightResult.parse(output, course)
+def _result_line(output: str, request: FlightRequest, exit_code: int) -> str:
+    result = FlightResult.parse(output, request)
     if result is not None:
         return result.to_json()
-    noise = None if exit_code == UsageError.exit_code else noise_m(course)
-    return json.dumps({"outcome": DID_NOT_FLY, "track_seed": course.track_seed, "noise": noise})
+    noise = None if exit_code == UsageError.exit_code else noise_m(request)
+    return json.dumps({"outcome": DID_NOT_FLY, "track_seed": request.track_seed, "noise": noise})
 
 
 def _parse(argv: Sequence[str] | None) -> argparse.Namespace:

@@ -4,7 +4,7 @@ import contextlib
 from typing import IO
 
 from flightstack.launch.order import COMPANION, VEHICLE, Ended, Order
-from flightstack.launch.processes import COMPANION_MODULE, VEHICLE_MODULE, Program, started
+from flightstack.launch.processes import programs, started
 
 
 class ColdStarter:
@@ -20,15 +20,13 @@ class ColdStarter:
             def into(name: str) -> IO[bytes]:
                 return stack.enter_context((order.folder / name).open("wb"))
 
-            outputs = {
-                name: (into(f"{name}.out"), into(f"{name}.err")) for name in (VEHICLE, COMPANION)
-            }
-            pair = stack.enter_context(
-                started(
-                    Program.module(VEHICLE_MODULE, order.vehicle, *outputs[VEHICLE]),
-                    Program.module(COMPANION_MODULE, order.companion, *outputs[COMPANION]),
-                )
+            both = programs(
+                order.request,
+                order.ports,
+                vehicle=(into(f"{VEHICLE}.out"), into(f"{VEHICLE}.err")),
+                companion=(into(f"{COMPANION}.out"), into(f"{COMPANION}.err")),
             )
+            pair = stack.enter_context(started(*both))
             pair.wait(order.limit_s)
             codes = pair.vehicle.poll(), pair.companion.poll()
         return Ended(vehicle=codes[0], companion=codes[1], folder=order.folder)

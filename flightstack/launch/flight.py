@@ -4,10 +4,10 @@ import tempfile
 from pathlib import Path
 
 from flightstack.launch.cold import ColdStarter
-from flightstack.launch.course import Course
 from flightstack.launch.instances import free_instance
 from flightstack.launch.order import Order, Starter
 from flightstack.launch.ports import Ports
+from flightstack.launch.request import FlightRequest
 from flightstack.launch.result import FlightResult, read_result
 
 COLD = ColdStarter()
@@ -29,7 +29,7 @@ def fly(
     a result, whatever its outcome. Raises UsageError, ModelError or LinkError, in one line, where
     none began, or one was cut off. No process is left running, after Ctrl-C neither.
     """
-    course = Course(
+    request = FlightRequest(
         laps=laps,
         track_seed=track_seed,
         noise=",".join(map(str, noise_m)),
@@ -39,16 +39,11 @@ def fly(
         vehicle_options=("-q",),
         companion_options=("-q", "--json"),
     )
-    return fly_course(course)
+    return fly_request(request)
 
 
-def fly_course(course: Course, starter: Starter = COLD) -> FlightResult:
+def fly_request(request: FlightRequest, starter: Starter = COLD) -> FlightResult:
     """Fly on the ports of a free instance; raises as `fly` does."""
     with free_instance() as instance, tempfile.TemporaryDirectory(prefix="flight-") as folder:
-        ports = Ports.of_instance(instance)
-        order = Order(
-            vehicle=course.vehicle_arguments(ports),
-            companion=course.companion_arguments(ports),
-            folder=Path(folder),
-        )
-        return read_result(starter.fly(order), course)
+        order = Order(request=request, ports=Ports.of_instance(instance), folder=Path(folder))
+        return read_result(starter.fly(order), request)

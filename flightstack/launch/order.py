@@ -4,6 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from flightstack.launch.ports import Ports
+from flightstack.launch.request import FlightRequest
+
 VEHICLE, COMPANION = "sitl", "companion"  # also the processes' names, as `ps` shows them
 BANNER = "pybullet build time:"
 
@@ -12,8 +15,8 @@ BANNER = "pybullet build time:"
 class Order:
     """One flight to be flown."""
 
-    vehicle: list[str]  # arguments of `python -m sitl`
-    companion: list[str]  # arguments of `python -m flightstack.companion`
+    request: FlightRequest
+    ports: Ports
     folder: Path  # which takes what both print, as NAME.out and NAME.err
     limit_s: float | None = None  # wall time: what takes longer hangs
 

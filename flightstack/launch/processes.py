@@ -13,14 +13,18 @@ from pathlib import Path
 from types import FrameType
 from typing import IO, Any
 
-VEHICLE_MODULE, COMPANION_MODULE = "sitl", "flightstack.companion"
+from flightstack.launch.ports import Ports
+from flightstack.launch.request import FlightRequest
+
 COMPANION_NOTICES_S = 8.0  # a companion whose vehicle died ends by itself within 5 s
 VEHICLE_ENDS_S = 5.0  # after SIGTERM: flush the log and leave
 VEHICLE_REFUSED = (2, 3)  # exit codes of a vehicle that never started: usage, ports
 PR_SET_PDEATHSIG = 1  # Linux prctl
 LIBC = ctypes.CDLL(None)  # here: a child between fork and exec may load nothing
 Process = subprocess.Popen[bytes]
-Stream = IO[Any] | int | None  # None: the starter's own
+Stream = IO[Any] | int | None
+Outputs = tuple[Stream, Stream]  # standard output and error
+OURS: Outputs = (None, None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,18 +32,10 @@ class Program:
     """A command, and where what it prints goes."""
 
     command: Sequence[str]
-    stdout: Stream = None
+    stdout: Stream = None  # None: the starter's own, as for the next two
     stderr: Stream = None
     environment: Mapping[str, str] | None = None  # None: as `environment` makes it
-    folder: Path | None = None  # None: the starter's own
-
-    @classmethod
-    def module(
-        cls, name: str, arguments: Sequence[str], stdout: Stream = None, stderr: Stream = None
-    ) -> "Program":
-        """Return `python -m name`."""
-        command = [sys.executable, "-m", name, *arguments]
-        return cls(command=command, stdout=stdout, stderr=stderr)
+    folder: Path | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,6 +68,24 @@ class Pair:
                     selector.unregister(key.fileobj)
                 patience_s = COMPANION_NOTICES_S
             return self.companion.returncode
+
+
+def module(
+    name: str, arguments: Sequence[str], stdout: Stream = None, stderr: Stream = None
+) -> Program:
+    """Return `python -m name`."""
+    command = [sys.executable, "-m", name, *arguments]
+    return Program(command=command, stdout=stdout, stderr=stderr)
+
+
+def programs(
+    request: FlightRequest, ports: Ports, *, vehicle: Outputs = OURS, companion: Outputs = OURS
+) -> tuple[Program, Program]:
+    """Return the two that fly a course, and where what each prints goes."""
+    return (
+        module("sitl", request.vehicle_arguments(ports), *vehicle),
+        module("flightstack.companion", request.companion_arguments(ports), *companion),
+    )
 
 
 @contextlib.contextmanager

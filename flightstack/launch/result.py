@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any, Self
 
 from flightstack.errors import FlightstackError, ModelError, UsageError
-from flightstack.launch.course import Course
 from flightstack.launch.errors import FlightCrashedError, FlightDiedError
 from flightstack.launch.order import COMPANION, VEHICLE, Ended, last_line
+from flightstack.launch.request import FlightRequest
 
 UNCAUGHT = 1  # exit code of Python after an exception; with a result, of a mission that failed
 REFUSALS: dict[int | None, type[FlightstackError]] = {  # of who cannot fly at all
@@ -39,13 +39,13 @@ class FlightResult:
     noise: tuple[float, ...]  # m, of the gates' radius and height
 
     @classmethod
-    def parse(cls, output: str, course: Course) -> Self | None:
+    def parse(cls, output: str, request: FlightRequest) -> Self | None:
         """Read it off the last line that the companion printed; None where that says nothing."""
         line = output.rstrip().rpartition("\n")[2]
         if not line.startswith("{"):
             return None
         fields: dict[str, Any] = json.loads(line)
-        known = {"track_seed": course.track_seed, "noise": noise_m(course)}
+        known = {"track_seed": request.track_seed, "noise": noise_m(request)}
         return cls(**fields | {"log": Path(fields["log"])} | known)
 
     def to_json(self) -> str:
@@ -53,12 +53,12 @@ class FlightResult:
         return json.dumps(asdict(self) | {"log": str(self.log)})
 
 
-def noise_m(course: Course) -> tuple[float, ...]:
+def noise_m(request: FlightRequest) -> tuple[float, ...]:
     """Return the noise of the gates' radius and height, m."""
-    return tuple(float(figure) for figure in course.noise.split(","))
+    return tuple(float(figure) for figure in request.noise.split(","))
 
 
-def read_result(ended: Ended, course: Course) -> FlightResult:
+def read_result(ended: Ended, request: FlightRequest) -> FlightResult:
     """Return the result of a flight that was one, however it ended.
 
     Raises UsageError or ModelError where a process refused its command line or its model;
@@ -74,7 +74,7 @@ def read_result(ended: Ended, course: Course) -> FlightResult:
             raise FlightDiedError("it took too long")
         words = last_line(ended.errors(VEHICLE))
         raise FlightDiedError(f"the vehicle ended with {ended.vehicle}: {words}")
-    result = FlightResult.parse(ended.output(COMPANION), course)
+    result = FlightResult.parse(ended.output(COMPANION), request)
     if result is not None:
         return result
     words = last_line(ended.errors(COMPANION))

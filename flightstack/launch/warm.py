@@ -26,24 +26,26 @@ class WarmStarter:
 
     def prepare(self) -> None:
         """Have a server that can take an order."""
-        if self._server is not None and not self._server.is_alive:
-            self.close()
-        if self._server is None:
-            self._server = _Server()
+        self._ready()
 
     def fly(self, order: Order) -> Ended:
         """Fly; raises FlightDiedError where the server died."""
-        self.prepare()
-        assert self._server is not None  # noqa: S101  prepared
-        codes = self._server.order(
+        codes = self._ready().order(
             {
-                VEHICLE: order.vehicle,
-                COMPANION: order.companion,
+                VEHICLE: order.request.vehicle_arguments(order.ports),
+                COMPANION: order.request.companion_arguments(order.ports),
                 "folder": str(order.folder),
                 "limit_s": order.limit_s,
             }
         )
         return Ended(vehicle=codes[VEHICLE], companion=codes[COMPANION], folder=order.folder)
+
+    def _ready(self) -> "_Server":
+        if self._server is not None and not self._server.is_alive:
+            self.close()
+        if self._server is None:
+            self._server = _Server()
+        return self._server
 
     def close(self) -> None:
         """End the server, and a flight that is under way."""

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from flightstack.launch.course import Course
 from flightstack.launch.instances import free_instance
 from flightstack.launch.ports import Ports
 from flightstack.launch.processes import Process, Program, started
+from flightstack.launch.request import FlightRequest
 
 ROOT = Path(__file__).resolve().parents[2]
 PROFILED = Path("scripts", "bench", "profiled.py")  # each commit's own: it knows its modules
@@ -133,7 +133,7 @@ def flying(
             folder=root,
         )
 
-    course = Course(
+    request = FlightRequest(
         laps=options.laps,
         track_seed=options.track_seed,
         noise=options.noise,
@@ -144,8 +144,8 @@ def flying(
     )
     with free_instance() as instance:
         ports = Ports.of_instance(instance)
-        vehicle = program("vehicle", course.vehicle_arguments(ports))
-        companion = program("companion", course.companion_arguments(ports))
+        vehicle = program("vehicle", request.vehicle_arguments(ports))
+        companion = program("companion", request.companion_arguments(ports))
         with started(vehicle, companion) as pair:
             yield pair.companion
 

@@ -23,16 +23,10 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-from flightstack.launch.course import Course  # noqa: E402
-from flightstack.launch.instances import API_PORT, free_instance  # noqa: E402
+from flightstack.launch.instances import free_instance  # noqa: E402
 from flightstack.launch.ports import Ports  # noqa: E402
-from flightstack.launch.processes import (  # noqa: E402
-    COMPANION_MODULE,
-    VEHICLE_MODULE,
-    Pair,
-    Program,
-    started,
-)
+from flightstack.launch.processes import Pair, programs, started  # noqa: E402
+from flightstack.launch.request import FlightRequest  # noqa: E402
 from scripts.bench.hostile_datagrams import Generator  # noqa: E402
 from scripts.bench.hostile_sockets import VEHICLE_PORTS, Attack, Observer  # noqa: E402
 
@@ -68,8 +62,18 @@ def fly(options: argparse.Namespace, count: int, seed: int, folder: Path) -> Fli
     with free_instance() as instance, contextlib.ExitStack() as stack:
         observer.system = instance + 1
         generator = Generator(seed, system=instance + 1, orders=options.signed)
-        vehicle, companion = programs(options, Ports.of_instance(instance), observer, folder, stack)
-        pair = stack.enter_context(started(vehicle, companion))
+        request = request_of(options, instance, observer, folder)
+        said, told = (
+            stack.enter_context((folder / name).open("wb"))
+            for name in ("vehicle.txt", "companion.txt")
+        )
+        both = programs(
+            request,
+            Ports.of_instance(instance),
+            vehicle=(said, STDOUT),
+            companion=(told, STDOUT),
+        )
+        pair = stack.enter_context(started(*both))
         attack = stack.enter_context(contextlib.closing(Attack(generator, instance)))
         watch(flight, observer, attack, generator, pair, count)
         pair.vehicle.terminate()
@@ -106,31 +110,18 @@ def watch(
     flight.delivered = attack.sent - flight.dropped
 
 
-def programs(
-    options: argparse.Namespace,
-    ports: Ports,
-    observer: Observer,
-    folder: Path,
-    stack: contextlib.ExitStack,
-) -> tuple[Program, Program]:
-    """Make both processes, with what they say in files of the folder."""
+def request_of(
+    options: argparse.Namespace, instance: int, observer: Observer, folder: Path
+) -> FlightRequest:
+    """Say what is flown, with the observer on the ground station's link."""
     key = (f"--signing-key={folder / 'key'}",) if options.signed else ()
-    gcs_port = VEHICLE_PORTS[0] + ports.companion - API_PORT
-    course = Course(
+    return FlightRequest(
         laps=options.laps,
         track_seed=options.track_seed,
         noise=options.noise,
         speed_factor=0.0,
-        vehicle_options=(f"--gcs-link={gcs_port}:{observer.port}", *key),
+        vehicle_options=(f"--gcs-link={VEHICLE_PORTS[0] + instance}:{observer.port}", *key),
         companion_options=("--json", "-q", f"--log={folder / 'companion.tlog'}", *key),
-    )
-    said = [
-        stack.enter_context((folder / f"{role}.txt").open("wb"))
-        for role in ("vehicle", "companion")
-    ]
-    return (
-        Program.module(VEHICLE_MODULE, course.vehicle_arguments(ports), said[0], STDOUT),
-        Program.module(COMPANION_MODULE, course.companion_arguments(ports), said[1], STDOUT),
     )
 
 

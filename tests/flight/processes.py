@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from flightstack.launch.instances import API_PORT, free_instance
-from flightstack.launch.processes import Process, Program, running
+from flightstack.launch.processes import Process, running
+from flightstack.launch.processes import module as launched
 from tests.paths import ROOT
 
 ENVIRONMENT = {"OMP_NUM_THREADS": "1"} | os.environ
@@ -73,7 +74,7 @@ def process(module: str, *options: str, log: Path) -> Iterator[Process]:
     """Start `python -m module`, both outputs into `log`; it ends on the way out."""
     soon = ("--ready-after=1",) if module in VEHICLES else ()  # the options go before that
     with log.open("wb") as output:
-        program = Program.module(module, [*soon, *options], output, subprocess.STDOUT)
+        program = launched(module, [*soon, *options], output, subprocess.STDOUT)
         with running(replace(program, folder=ROOT), ends_s=ENDS_S) as started:
             yield started
 

@@ -11,8 +11,8 @@ import pytest
 
 from flightstack.errors import ModelError, UsageError
 from flightstack.launch import FlightResult, fly
-from flightstack.launch.course import Course
-from flightstack.launch.flight import fly_course
+from flightstack.launch.flight import fly_request
+from flightstack.launch.request import FlightRequest
 from flightstack.launch.warm import WarmStarter
 from tests.flight.processes import ENVIRONMENT
 from tests.flight.test_fly import assert_gone, children
@@ -35,9 +35,11 @@ def test_a_warm_start_gives_the_flight_of_a_cold_one(
     assert cold.outcome == "completed"
     assert (cold.gates_passed, cold.gates_total) == (8, 8)
     assert cold.log.is_file()
-    course = Course(track_seed=7, noise="1.0,2.0", speed_factor=0.0, companion_options=("--json",))
+    request = FlightRequest(
+        track_seed=7, noise="1.0,2.0", speed_factor=0.0, companion_options=("--json",)
+    )
     with contextlib.closing(WarmStarter()) as warm:
-        assert timeless(fly_course(course, warm)) == timeless(cold)
+        assert timeless(fly_request(request, warm)) == timeless(cold)
 
 
 def test_what_cannot_be_flown_is_one_line() -> None:

@@ -46,8 +46,10 @@ def fly(
             if not trials:
                 break
             workers = Workers(jobs, backend, keep_logs=keep_logs)
-            orders = ((trial, _provenance(experiment, trial, weights, version)) for trial in trials)
-            with contextlib.closing(workers.fly(orders)) as flights:
+            assignments = (
+                (trial, _provenance(experiment, trial, weights, version)) for trial in trials
+            )
+            with contextlib.closing(workers.fly(assignments)) as flights:
                 for flown in flights:
                     folder.keep(flown.after(losses[flown.trial.key]))
                     progress.note(flown)

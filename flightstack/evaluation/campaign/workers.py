@@ -22,11 +22,11 @@ from flightstack.evaluation.trials.experiment import Trial
 
 LOKY, RAY = "loky", "ray"
 WORKER_DIED = "a worker process died"
-Order = tuple[Trial, Provenance]
+Assignment = tuple[Trial, Provenance]
 
 
 class Workers:
-    """Workers for one list of orders: where one of them dies, all flights under way are lost."""
+    """Workers for a list of assignments: where one dies, all flights under way are lost."""
 
     def __init__(self, jobs: int, backend: str, *, keep_logs: bool) -> None:
         # A trial is handed out when a worker is free for it: what is handed out is under way.
@@ -43,10 +43,10 @@ class Workers:
         self._began_s: dict[Trial, float] = {}  # of the flights under way, in monotonic time
         self.has_died = False
 
-    def fly(self, orders: Iterable[Order]) -> Generator[FlownTrial, None, None]:
+    def fly(self, assignments: Iterable[Assignment]) -> Generator[FlownTrial, None, None]:
         """Yield each trial as it lands; no more once `has_died`. Closing it ends all flights."""
         try:
-            with contextlib.closing(self._flights(orders)) as flights:
+            with contextlib.closing(self._flights(assignments)) as flights:
                 for flown in flights:
                     self._began_s.pop(flown.trial)
                     yield flown
@@ -62,28 +62,28 @@ class Workers:
             for trial, began_s in self._began_s.items()
         ]
 
-    def _flights(self, orders: Iterable[Order]) -> Generator[FlownTrial, None, None]:
+    def _flights(self, assignments: Iterable[Assignment]) -> Generator[FlownTrial, None, None]:
         with tempfile.TemporaryDirectory(
             prefix="flightstack-trials-", ignore_cleanup_errors=True
         ) as scratch:  # here, not in the workers: those that are killed cannot tidy up
             try:
                 with ignoring_interrupts():  # workers start here: a Ctrl-C is for the command alone
                     flights = Parallel(**self._settings)(
-                        delayed(_fly_one)(order, scratch, self._keep_logs)
-                        for order in self._hand_out(orders)
+                        delayed(_fly_one)(assignment, scratch, self._keep_logs)
+                        for assignment in self._hand_out(assignments)
                     )
                 yield from flights
             finally:
                 _launcher().close()  # which has flown where one job needs no worker
 
-    def _hand_out(self, orders: Iterable[Order]) -> Iterator[Order]:
-        for order in orders:
-            self._began_s[order[0]] = time.monotonic()
-            yield order
+    def _hand_out(self, assignments: Iterable[Assignment]) -> Iterator[Assignment]:
+        for assignment in assignments:
+            self._began_s[assignment[0]] = time.monotonic()
+            yield assignment
 
 
-def _fly_one(order: Order, scratch: str, keep_log: bool) -> FlownTrial:  # noqa: FBT001
-    trial, provenance = order
+def _fly_one(assignment: Assignment, scratch: str, keep_log: bool) -> FlownTrial:  # noqa: FBT001
+    trial, provenance = assignment
     launcher = _launcher()
     launcher.scratch = Path(scratch) if Path(scratch).is_dir() else None  # on another machine
     return launcher.fly(trial, provenance, keep_log=keep_log)

@@ -9,13 +9,13 @@ from typing import Self
 from flightstack.errors import FlightstackError, UsageError
 from flightstack.evaluation.flights.reading import Provenance, read_flight
 from flightstack.evaluation.flights.trace import Trace
-from flightstack.evaluation.flights.trial_course import course_of
+from flightstack.evaluation.flights.trial_request import request_of
 from flightstack.evaluation.trials.experiment import Trial
 from flightstack.evaluation.trials.rows import TrialRow
-from flightstack.launch.course import LAP_LIMIT_S, Course
 from flightstack.launch.errors import FlightCrashedError, FlightDiedError
 from flightstack.launch.order import VEHICLE, Ended, Order, Starter
 from flightstack.launch.ports import Ports
+from flightstack.launch.request import LAP_LIMIT_S, FlightRequest
 from flightstack.launch.result import FlightResult, read_result
 from flightstack.launch.warm import WarmStarter
 
@@ -84,17 +84,12 @@ class TrialFlyer:
         self._starter.close()
 
     def _attempt(self, trial: Trial, provenance: Provenance, *, keep_log: bool) -> CompletedFlight:
-        ports = Ports.find()
         with tempfile.TemporaryDirectory(prefix="trial-", dir=self.scratch) as name:
             log = Path(name, LOG)
-            course = course_of(trial, log)
-            order = Order(
-                vehicle=course.vehicle_arguments(ports),
-                companion=course.companion_arguments(ports),
-                folder=Path(name),
-                limit_s=START_S + LAP_LIMIT_S * trial.laps / MIN_SPEED_FACTOR,
-            )
-            result = _result(trial, course, self._starter.fly(order))
+            request = request_of(trial, log)
+            limit_s = START_S + LAP_LIMIT_S * trial.laps / MIN_SPEED_FACTOR
+            order = Order(request=request, ports=Ports.find(), folder=Path(name), limit_s=limit_s)
+            result = _result(trial, request, self._starter.fly(order))
             try:
                 row, trace = read_flight(trial, provenance, result, log)
             except FlightstackError as error:
@@ -109,14 +104,14 @@ class TrialFlyer:
             )
 
 
-def _result(trial: Trial, course: Course, ended: Ended) -> FlightResult:
+def _result(trial: Trial, request: FlightRequest, ended: Ended) -> FlightResult:
     """Read the companion's result; raises FlightDiedError where the flight tells nothing.
 
     Raises UsageError or ModelError where a process refused its command line or its model, and
     UsageError where the companion raised what nobody expected, such as an error of a user's policy.
     """
     try:
-        result = read_result(ended, course)
+        result = read_result(ended, request)
     except FlightCrashedError as error:  # which the same flight would raise again
         raise UsageError(f"{trial} cannot be flown: {error}") from error
     if RAN_FREE in ended.errors(VEHICLE):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flightstack.evaluation.flights.trace import Trace, speeds
-from flightstack.evaluation.flights.trial_course import GATE_LIMIT_S
+from flightstack.evaluation.flights.trial_request import GATE_LIMIT_S
 from flightstack.evaluation.trials.experiment import Trial
 from flightstack.evaluation.trials.rows import (
     COLLISION,

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from flightstack.errors import FlightstackError, LinkError, ModelError, UsageError
-from flightstack.launch.course import Course
 from flightstack.launch.errors import FlightCrashedError, FlightDiedError
 from flightstack.launch.order import Ended, last_line
+from flightstack.launch.request import FlightRequest
 from flightstack.launch.result import FlightResult, read_result
 
 TOLD = {
@@ -24,7 +24,7 @@ TOLD = {
     "frames": 510,
     "setpoints": 510,
 }
-COURSE = Course(track_seed=7, noise="1,2.0")
+REQUEST = FlightRequest(track_seed=7, noise="1,2.0")
 
 
 def ended(folder: Path, *, vehicle: int | None, companion: int | None, said: str = "") -> Ended:
@@ -35,14 +35,14 @@ def ended(folder: Path, *, vehicle: int | None, companion: int | None, said: str
 
 def test_a_mission_that_failed_gives_its_result_in_the_keys_of_json(tmp_path: Path) -> None:
     (tmp_path / "companion.out").write_text(f"taking off\n{json.dumps(TOLD)}\n")
-    result = read_result(ended(tmp_path, vehicle=0, companion=1), COURSE)
+    result = read_result(ended(tmp_path, vehicle=0, companion=1), REQUEST)
     assert result.log == Path("logs/flight.tlog")
     assert json.loads(result.to_json()) == TOLD | {"track_seed": 7, "noise": [1.0, 2.0]}
 
 
 def test_what_is_no_result_is_none() -> None:
-    assert FlightResult.parse("completed: 8 of 8 gates\n", COURSE) is None
-    assert FlightResult.parse("", COURSE) is None
+    assert FlightResult.parse("completed: 8 of 8 gates\n", REQUEST) is None
+    assert FlightResult.parse("", REQUEST) is None
 
 
 @pytest.mark.parametrize(
@@ -65,7 +65,7 @@ def test_a_flight_without_a_result_is_one_clear_line(
 ) -> None:
     said = "warming up\nsitl: no such day\n"
     with pytest.raises(kind) as refusal:
-        read_result(ended(tmp_path, vehicle=vehicle, companion=companion, said=said), COURSE)
+        read_result(ended(tmp_path, vehicle=vehicle, companion=companion, said=said), REQUEST)
     assert str(refusal.value) == text
 
 

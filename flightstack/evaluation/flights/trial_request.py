@@ -1,18 +1,18 @@
-"""A trial as the course that `flightstack.launch` flies: all that a trial is, is in it."""
+"""A trial as the request that `flightstack.launch` flies: all that a trial is, is in it."""
 
 from pathlib import Path
 
 from flightstack.evaluation.trials.experiment import Trial
-from flightstack.launch.course import Course
+from flightstack.launch.request import FlightRequest
 
 GATE_LIMIT_S = 20.0  # vehicle time: gates are 6.1 m apart, 3 to 4 s at the usual speed
 
 
-def course_of(trial: Trial, log: Path) -> Course:
-    """Return the course; the companion's log goes to `log`."""
+def request_of(trial: Trial, log: Path) -> FlightRequest:
+    """Return the request; the companion's log goes to `log`."""
     condition, row = trial.condition, trial.row
     radius_m, height_m = condition.noise_m
-    return Course(
+    return FlightRequest(
         laps=trial.laps,
         track_seed=trial.track_seed,
         noise=f"{radius_m},{height_m}",

@@ -8,7 +8,7 @@ LAP_LIMIT_S = 90.0  # vehicle time: whoever needs longer has lost the course
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Course:
+class FlightRequest:
     """One flight, in lockstep: the same seeds give the same flight at any speed."""
 
     laps: int = 1  # of 8 gates
