@@ -1,4 +1,4 @@
-"""Fly trials in parallel: by a process a core, by this process alone, or by a Ray cluster."""
+"""Fly trials in parallel: by a process per core, by this process alone, or by a Ray cluster."""
 
 import atexit
 import contextlib
