@@ -7,7 +7,6 @@ Folders are looked for where FLIGHTSTACK_MODELS says, else in the repository, el
 
 import hashlib
 import os
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,7 +22,7 @@ from flightstack.perception.dronet import Dronet
 from flightstack.perception.labels import LABELS
 from flightstack.policy.config import PolicyConfig
 from flightstack.policy.network import PolicyStack
-from flightstack.tables import record_from_table
+from flightstack.tables import read_toml, record_from_table
 
 DEFAULT_MODEL = "strong/m0"
 CONFIG_FILE, WEIGHTS_FILE = "config.toml", "weights.safetensors"
@@ -105,7 +104,8 @@ def folders() -> list[Path]:
 def read_config(path: Path) -> ModelConfig:
     """Read and check a config.toml; raises ModelError."""
     try:
-        return record_from_table(ModelConfig, tomllib.loads(path.read_text()), where=str(path))
+        table = read_toml(path.read_text(), where=str(path))
+        return record_from_table(ModelConfig, table, where=str(path))
     except (OSError, ValueError) as error:
         raise ModelError(f"{error}" if str(path) in str(error) else f"{path}: {error}") from error
 

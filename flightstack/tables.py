@@ -1,59 +1,97 @@
 """Frozen records from TOML tables and back; an unknown or missing key is an error."""
 
 import json
+import math
+import tomllib
+import types
 import typing
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from typing import Any, TypeVar
 
 Record = TypeVar("Record")
+NOTHING: Mapping[str, object] = {}
 
 
-def record_from_table(kind: type[Record], table: object, *, where: str) -> Record:
+def read_toml(text: str, *, where: str) -> dict[str, Any]:
+    """Parse TOML; raises ValueError, in one line that begins with `where`."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(f"{where}: not TOML: {error}") from error
+
+
+def record_from_table(
+    kind: type[Record], table: object, *, where: str, given: Mapping[str, object] = NOTHING
+) -> Record:
     """Build a dataclass from a table whose keys are exactly its fields (defaults may be left out).
 
-    `where` names the table in errors, for example "config.toml: policy". Raises ValueError, in one
-    line, for an unknown or missing key, a value of another type, and whatever the record refuses.
+    An angle may be given in degrees: the key `tilt_deg` fills the field `tilt_rad`. `given` are
+    fields that the table may not hold, with their values. `where` names the table in errors, for
+    example "config.toml: policy". Raises ValueError, in one line, for an unknown or missing key, a
+    value of another type, and whatever the record refuses.
     """
     if not isinstance(table, dict):
         raise ValueError(f"{where}: expected a table, got {table!r}")  # noqa: TRY004
-    known = {field.name: field for field in fields(kind)}  # type: ignore[arg-type]
-    unknown = sorted(set(table) - set(known))
+    known = {
+        field.name: field
+        for field in fields(kind)  # type: ignore[arg-type]
+        if field.name not in given
+    }
+    keys = {key: key if key in known else _in_radians(key) for key in table}
+    unknown = sorted(key for key, name in keys.items() if name not in known)
     if unknown:
         raise ValueError(f"{where}: unknown key {unknown[0]!r}; known are {', '.join(known)}")
     needed = [n for n, f in known.items() if f.default is MISSING and f.default_factory is MISSING]
-    missing = [name for name in needed if name not in table]
+    missing = [name for name in needed if name not in keys.values()]
     if missing:
         raise ValueError(f"{where}: {missing[0]!r} is missing")
     hints = typing.get_type_hints(kind)
-    values = {
-        name: _convert(hints[name], value, where=f"{where}.{name}") for name, value in table.items()
-    }
+    values = {}
+    for key, name in keys.items():
+        value = _convert(hints[name], table[key], where=f"{where}.{key}")
+        values[name] = value if key == name else math.radians(value)
     try:
-        return kind(**values)
+        return kind(**values, **given)
     except ValueError as error:
         raise ValueError(f"{where}: {error}") from error
 
 
+def _in_radians(key: str) -> str:
+    return key.removesuffix("_deg") + "_rad" if key.endswith("_deg") else key
+
+
 def _convert(kind: Any, value: Any, *, where: str) -> Any:
     """Check one value against a field's type; whole numbers pass for floats, lists for tuples."""
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if origin is types.UnionType:  # "Dagger | None": a key that is there is no None
+        kind, origin = arguments[0], typing.get_origin(arguments[0])
     if is_dataclass(kind) and isinstance(kind, type):
         return record_from_table(kind, value, where=where)
-    origin = typing.get_origin(kind)
     if origin is typing.Literal:
-        if value not in typing.get_args(kind):
-            choices = ", ".join(map(repr, typing.get_args(kind)))
+        if value not in arguments:
+            choices = ", ".join(map(repr, arguments))
             raise ValueError(f"{where}: expected one of {choices}, got {value!r}")
         return value
     if origin is tuple and isinstance(value, list):
-        element = typing.get_args(kind)[0]
-        return tuple(_convert(element, item, where=where) for item in value)
+        return _tuple(arguments, value, where)
     if kind is float and type(value) is int:
         return float(value)
-    if type(value) is not kind:
+    if type(value) is not kind or (kind is float and not math.isfinite(value)):
         name = getattr(kind, "__name__", str(kind))
         raise ValueError(f"{where}: expected {name}, got {value!r}")
     return value
+
+
+def _tuple(kinds: tuple[Any, ...], values: list[Any], where: str) -> tuple[Any, ...]:
+    """Convert each of a list; `tuple[float, ...]` takes any number of them."""
+    if kinds[-1] is Ellipsis:
+        kinds = (kinds[0],) * len(values)
+    if len(values) != len(kinds):
+        raise ValueError(f"{where}: expected {len(kinds)} numbers, got {values}")
+    return tuple(
+        _convert(kind, value, where=where) for kind, value in zip(kinds, values, strict=True)
+    )
 
 
 def table_text(record: Any) -> str:

@@ -13,6 +13,7 @@ from queue import SimpleQueue
 import cv2
 
 from flightstack.errors import UsageError
+from flightstack.files import write_whole
 from flightstack.records import Image
 
 QUEUED_BYTES = 32 << 20  # of pixels: 2,700 of the simulator's images, 5 of a full-HD camera's
@@ -68,14 +69,10 @@ class ImageRecorder:
 
     def _write(self, image: Image) -> bool:
         path = self.folder / f"{image.stamp_us:012d}.png"
-        partial = path.with_suffix(".part")
         _, coded = cv2.imencode(".png", cv2.cvtColor(image.rgb, cv2.COLOR_RGB2BGR), FAST)
         try:
-            partial.write_bytes(coded.data)
-            partial.replace(path)
+            write_whole(path, coded.data)
         except OSError as error:
             self.failure = f"the recording {self.folder} ends here: {error.strerror}"
-            with contextlib.suppress(OSError):
-                partial.unlink()
             return False
         return True

@@ -10,6 +10,7 @@ from torch import nn
 from torch.optim import Optimizer
 
 from flightstack.errors import UsageError
+from flightstack.files import replacing
 from flightstack.training.settings import named_settings
 
 FILE_NAME = "checkpoint.pt"
@@ -27,16 +28,15 @@ class Checkpoint:
         self._identity = json.dumps(identity, sort_keys=True)
 
     def save(self, *, epochs_done: int, model: nn.Module, optimizer: Optimizer) -> None:
-        """Replace the file in one step: a kill at any moment leaves the old one or the new one."""
+        """Replace the file in one step."""
         state = {
             "identity": self._identity,
             "epochs_done": epochs_done,
             "model": model.state_dict(),
             "optimizer": optimizer.state_dict(),
         }
-        partial = self._path.with_suffix(".partial")
-        torch.save(state, partial)
-        partial.replace(self._path)
+        with replacing(self._path) as draft:
+            torch.save(state, draft)
 
     def restore(self, *, model: nn.Module, optimizer: Optimizer) -> int:
         """Load the file if there is one; returns how many epochs are done.

@@ -13,7 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from scripts.fly_course import API_PORT, LAP_LIMIT_S, free_instance
+from flightstack.launch.instances import free_instance
+from flightstack.launch.ports import Ports
+from flightstack.launch.processes import Process, Program, started
+from flightstack.launch.request import FlightRequest
 
 ROOT = Path(__file__).resolve().parents[2]
 PROFILED = Path("scripts", "bench", "profiled.py")  # each commit's own: it knows its modules
@@ -37,7 +40,7 @@ class Report:
     """What both processes of one flight have written down."""
 
     snapshots: dict[str, list[dict[str, Any]]]  # by role
-    decided: list[tuple[float, int]]  # wall time s, frame stamp us
+    decided: list[tuple[float, int]]  # wall time s, image stamp us
 
     @property
     def flown(self) -> tuple[float, float]:
@@ -45,7 +48,7 @@ class Report:
         return self.decided[0][0], self.decided[-1][0]
 
     @property
-    def frame_times_s(self) -> list[float]:
+    def image_times_s(self) -> list[float]:
         """Wall time from each decision to the next."""
         return [after - before for (before, _), (after, _) in itertools.pairwise(self.decided)]
 
@@ -64,8 +67,8 @@ class Report:
             calls=spent("calls"),
         )
 
-    def frames(self, start_s: float, end_s: float) -> tuple[int, float]:
-        """How many frames were decided on in a stretch, and their vehicle time in s."""
+    def images(self, start_s: float, end_s: float) -> tuple[int, float]:
+        """How many images were decided on in a stretch, and their vehicle time in s."""
         stamps_us = [stamp_us for wall_s, stamp_us in self.decided if start_s <= wall_s <= end_s]
         return len(stamps_us) - 1, (stamps_us[-1] - stamps_us[0]) / 1e6
 
@@ -114,36 +117,37 @@ def checked_out(commit: str) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
-def started(
+def flying(
     options: argparse.Namespace, folder: Path, *, parts: bool = True, root: Path = ROOT
-) -> Iterator[subprocess.Popen[bytes]]:
-    """Fly with the code at `root`; gives the companion's process, and ends the vehicle's."""
+) -> Iterator[Process]:
+    """Fly with the code at `root`; gives the companion's process."""
     environment = os.environ | {"PYTHONPATH": str(root), "OMP_NUM_THREADS": "1"}
     detail = "parts" if parts else "whole"
 
-    def start(role: str, *arguments: str) -> subprocess.Popen[bytes]:
-        command = [sys.executable, str(root / PROFILED), role, detail, str(folder / f"{role}.json")]
-        return subprocess.Popen(
-            [*command, *arguments],
-            env=environment,
-            cwd=root,
+    def program(role: str, arguments: list[str]) -> Program:
+        report = str(folder / f"{role}.json")
+        return Program(
+            command=[sys.executable, str(root / PROFILED), role, detail, report, *arguments],
             stdout=subprocess.DEVNULL,  # its summary names a log that goes with the folder
+            environment=environment,
+            folder=root,
         )
 
+    request = FlightRequest(
+        laps=options.laps,
+        track_seed=options.track_seed,
+        noise=options.noise,
+        model=options.model,
+        speed_factor=0.0,
+        vehicle_options=("-q",),
+        companion_options=("-q", f"--log={folder / 'flight.tlog'}"),
+    )
     with free_instance() as instance:
-        course = (f"--laps={options.laps}", f"--track-seed={options.track_seed}")
-        flight = ("--lockstep", "--speed-factor=0", "-q", f"--instance={instance}")
-        pilot = (f"--udp={API_PORT + instance}", f"--duration={LAP_LIMIT_S * options.laps}", "-q")
-        model = (f"--model={options.model}",) if options.model else ()
-        vehicle = start("vehicle", *flight, *course, f"--noise={options.noise}")
-        companion = start("companion", *pilot, *model, f"--log={folder / 'flight.tlog'}")
-        try:
-            yield companion
-        finally:
-            companion.terminate()
-            vehicle.terminate()
-            companion.wait()
-            vehicle.wait()
+        ports = Ports.of_instance(instance)
+        vehicle = program("vehicle", request.vehicle_arguments(ports))
+        companion = program("companion", request.companion_arguments(ports))
+        with started(vehicle, companion) as pair:
+            yield pair.companion
 
 
 def fly_together(
@@ -154,7 +158,7 @@ def fly_together(
         folders = [Path(stack.enter_context(tempfile.TemporaryDirectory())) for _ in range(count)]
         with contextlib.ExitStack() as flights:
             companions = [
-                flights.enter_context(started(options, folder, parts=parts, root=root))
+                flights.enter_context(flying(options, folder, parts=parts, root=root))
                 for folder in folders
             ]
             for companion in companions:

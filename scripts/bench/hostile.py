@@ -4,30 +4,31 @@
 
 Flies the same course in lockstep twice: undisturbed, then under attack on both links, again and
 again until all datagrams are delivered. With --signed, vehicle and companion share a key, and the
-datagrams may be anything, honest orders and replayed frames among them.
+datagrams may be anything, honest orders and replayed packets among them.
 """
 
 import argparse
 import contextlib
 import json
-import os
 import secrets
-import subprocess
 import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from subprocess import STDOUT
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
+from flightstack.launch.instances import free_instance  # noqa: E402
+from flightstack.launch.ports import Ports  # noqa: E402
+from flightstack.launch.processes import Pair, programs, started  # noqa: E402
+from flightstack.launch.request import FlightRequest  # noqa: E402
 from scripts.bench.hostile_datagrams import Generator  # noqa: E402
 from scripts.bench.hostile_sockets import VEHICLE_PORTS, Attack, Observer  # noqa: E402
-from scripts.fly_course import API_PORT, LAP_LIMIT_S, free_instance  # noqa: E402
 
 BATCH = 64
 OFFBOARD = 6 << 16
@@ -58,20 +59,25 @@ class Flight:
 def fly(options: argparse.Namespace, count: int, seed: int, folder: Path) -> Flight:
     """Fly once; under attack by up to `count` datagrams."""
     flight, observer = Flight(), Observer()
-    key = (f"--signing-key={folder / 'key'}",) if options.signed else ()
     with free_instance() as instance, contextlib.ExitStack() as stack:
         observer.system = instance + 1
         generator = Generator(seed, system=instance + 1, orders=options.signed)
-        said = stack.enter_context((folder / "vehicle.txt").open("w+"))
-        vehicle = stack.enter_context(started(vehicle_command(options, instance, observer), said))
-        output = stack.enter_context((folder / "companion.txt").open("w+"))
-        companion = stack.enter_context(
-            started([*companion_command(options, instance), *key], output)
+        request = request_of(options, instance, observer, folder)
+        said, told = (
+            stack.enter_context((folder / name).open("wb"))
+            for name in ("vehicle.txt", "companion.txt")
         )
+        both = programs(
+            request,
+            Ports.of_instance(instance),
+            vehicle=(said, STDOUT),
+            companion=(told, STDOUT),
+        )
+        pair = stack.enter_context(started(*both))
         attack = stack.enter_context(contextlib.closing(Attack(generator, instance)))
-        watch(flight, observer, attack, generator, (vehicle, companion), count)
-        vehicle.terminate()
-        flight.vehicle_code = vehicle.wait(30.0)
+        watch(flight, observer, attack, generator, pair, count)
+        pair.vehicle.terminate()
+        flight.vehicle_code = pair.vehicle.wait(30.0)
         flight.said = (folder / "vehicle.txt").read_text()
         last_line = (folder / "companion.txt").read_text().rstrip().rpartition("\n")[2]
         flight.result = json.loads(last_line) if last_line.startswith("{") else {}
@@ -84,11 +90,11 @@ def watch(
     observer: Observer,
     attack: Attack,
     generator: Generator,
-    processes: tuple[subprocess.Popen[str], subprocess.Popen[str]],
+    pair: Pair,
     count: int,
 ) -> None:
     """Attack from OFFBOARD to the end of the course; then wait for the landing."""
-    vehicle, companion = processes
+    vehicle, companion = pair.vehicle, pair.companion
     deadline_s = time.monotonic() + LIMIT_S
     before: Counter[int] = Counter()
     while companion.poll() is None and vehicle.poll() is None and time.monotonic() < deadline_s:
@@ -104,38 +110,19 @@ def watch(
     flight.delivered = attack.sent - flight.dropped
 
 
-def vehicle_command(options: argparse.Namespace, instance: int, observer: Observer) -> list[str]:
-    """Spell out the vehicle's process."""
-    key = [f"--signing-key={options.key}"] if options.signed else []
-    return [
-        *(sys.executable, "-m", "sitl", "--lockstep", "--speed-factor=0"),
-        *(f"--instance={instance}", f"--laps={options.laps}", f"--noise={options.noise}"),
-        *(f"--track-seed={options.track_seed}", *key),
-        f"--gcs-link={VEHICLE_PORTS[0] + instance}:{observer.port}",
-    ]
-
-
-def companion_command(options: argparse.Namespace, instance: int) -> list[str]:
-    """Spell out the companion's process."""
-    return [
-        *(sys.executable, "-m", "flightstack.companion", f"--udp={API_PORT + instance}"),
-        *(f"--duration={LAP_LIMIT_S * options.laps}", "--json", "-q"),
-        f"--log={options.log}",
-    ]
-
-
-@contextlib.contextmanager
-def started(command: list[str], output: Any) -> Iterator[subprocess.Popen[str]]:
-    """Run a process; on any way out, end it."""
-    environment = {"OMP_NUM_THREADS": "1"} | os.environ | {"PYTHONPATH": str(ROOT)}
-    process = subprocess.Popen(
-        command, env=environment, stdout=output, stderr=subprocess.STDOUT, text=True
+def request_of(
+    options: argparse.Namespace, instance: int, observer: Observer, folder: Path
+) -> FlightRequest:
+    """Say what is flown, with the observer on the ground station's link."""
+    key = (f"--signing-key={folder / 'key'}",) if options.signed else ()
+    return FlightRequest(
+        laps=options.laps,
+        track_seed=options.track_seed,
+        noise=options.noise,
+        speed_factor=0.0,
+        vehicle_options=(f"--gcs-link={VEHICLE_PORTS[0] + instance}:{observer.port}", *key),
+        companion_options=("--json", "-q", f"--log={folder / 'companion.tlog'}", *key),
     )
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.wait()
 
 
 def resident_kb(pid: int) -> int:
@@ -194,8 +181,7 @@ def main(argv: list[str] | None = None) -> int:
     harm: list[str] = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        options.key, options.log = folder / "key", folder / "companion.tlog"
-        options.key.write_text(secrets.token_hex(32))
+        (folder / "key").write_text(secrets.token_hex(32))
         started_s = time.monotonic()
         reference = fly(options, 0, 0, folder)
         tell("undisturbed", reference, time.monotonic() - started_s)

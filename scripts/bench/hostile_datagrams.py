@@ -1,8 +1,8 @@
 """Make datagrams that wish a vehicle ill, the same ones for the same seed.
 
-Without a signing key, a frame that a pilot could have sent is obeyed, whoever sends it: that is
+Without a signing key, a packet that a pilot could have sent is obeyed, whoever sends it: that is
 PX4's way, and no fault to be found. So `orders` chooses: with it, anything goes (the vehicle has a
-key); without it, frames that would be an honest order are made absurd, or addressed to others.
+key); without it, packets that would be an honest order are made absurd, or addressed to others.
 """
 
 import random
@@ -53,7 +53,7 @@ class Generator:
         )
 
     def overhear(self, raw: bytes) -> None:
-        """Remember a frame of somebody else, to change it and to send it again."""
+        """Remember a packet of somebody else, to change it and to send it again."""
         if len(self._heard) < 1000:
             self._heard.append(raw)
 
@@ -76,7 +76,7 @@ class Generator:
         return self._random.randbytes(size)
 
     def _mutated(self) -> bytes:
-        """Change, cut, repeat or string together valid frames; most checksums are then wrong."""
+        """Change, cut, repeat or string together valid packets; most checksums are then wrong."""
         rng = self._random
         replayed = rng.random() < 0.5 and self._heard and self._orders
         data = bytearray(rng.choice(self._heard) if replayed else self._any_message())
@@ -99,7 +99,7 @@ class Generator:
         for field in ("target_system", "target_component"):
             if field in kind.fieldnames and self._random.random() < 0.7:
                 payload[_place(kind, field)] = self._system if field == "target_system" else 1
-        return self._frame(number, bytes(payload), kind.crc_extra)
+        return self._packet(number, bytes(payload), kind.crc_extra)
 
     def _fill(self, size: int) -> bytes:
         rng = self._random
@@ -214,7 +214,7 @@ class Generator:
         codec = mavlink.MAVLink(None, srcSystem=self._sender(), srcComponent=self._sender())
         return bytes(message.pack(codec))
 
-    def _frame(self, number: int, payload: bytes, crc_extra: int) -> bytes:
+    def _packet(self, number: int, payload: bytes, crc_extra: int) -> bytes:
         rng = self._random
         body = struct.pack(
             "<BBBBBBHB",

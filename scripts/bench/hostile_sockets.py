@@ -18,7 +18,7 @@ COMPLETE = 5  # MISSION_STATE
 
 
 class Observer:
-    """The ground station's end: follows mode and course, and remembers frames."""
+    """The ground station's end: follows mode and course, and remembers packets."""
 
     def __init__(self) -> None:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -39,7 +39,7 @@ class Observer:
                 if not self.is_partner:  # claim the link before anybody else does
                     self.is_partner = True
                     self.socket.sendto(generator.hello(), vehicle)
-                for raw in frames(data):
+                for raw in packets(data):
                     self._note(raw, modes)
                     generator.overhear(raw)
 
@@ -55,8 +55,8 @@ class Observer:
             self.is_over = payload[4] >= COMPLETE - 1
 
 
-def frames(datagram: bytes) -> Iterator[bytes]:
-    """Cut a datagram of the vehicle into its frames."""
+def packets(datagram: bytes) -> Iterator[bytes]:
+    """Cut a datagram of the vehicle into its packets."""
     position = 0
     while position + 12 <= len(datagram) and datagram[position] == 0xFD:
         size = datagram[position + 1] + 12 + 13 * (datagram[position + 2] & 1)

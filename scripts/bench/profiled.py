@@ -15,7 +15,7 @@ from scripts.bench.stopwatch import Stopwatch
 
 
 def time_vehicle(stopwatch: Stopwatch, *, parts: bool) -> None:
-    """Name the vehicle's parts, or the one thing that it does with each frame."""
+    """Name the vehicle's parts, or the one thing that it does with each image."""
     from sitl.process.quiet import quiet_outputs  # noqa: PLC0415 - only this role loads it
 
     with quiet_outputs():

@@ -1,4 +1,4 @@
-"""Measure what flights cost that are flown side by side: simulated seconds a wall second in all.
+"""Measure what flights cost that are flown side by side: simulated seconds per wall second in all.
 
     python scripts/bench/side_by_side.py [--flights 2] [--laps 4] [--track-seed 0] [--noise 0,0]
                                          [--against COMMIT [--rounds 4]]
@@ -30,18 +30,18 @@ from scripts.bench.flying import (
     in_turns,
 )
 
-SPEED = "simulated seconds a wall second"
+SPEED = "simulated seconds per wall second"
 
 
 def print_flights(console: Console, reports: list[Report], start_s: float, end_s: float) -> None:
     """Print each flight, and all of them."""
-    table = Table(title="CPU time, ms a frame", title_justify="left")
+    table = Table(title="CPU time, ms per image", title_justify="left")
     for heading in ("flight", *ROLES, "both", "times real time"):
         table.add_column(heading, justify="right")
     for number, report in enumerate(reports):
-        frames, vehicle_s = report.frames(start_s, end_s)
+        images, vehicle_s = report.images(start_s, end_s)
         costs = [
-            report.stretch(role, start_s, end_s).process_cpu_s / frames * 1e3 for role in ROLES
+            report.stretch(role, start_s, end_s).process_cpu_s / images * 1e3 for role in ROLES
         ]
         speed = vehicle_s / (end_s - start_s)
         table.add_row(
@@ -61,8 +61,8 @@ def print_speeds(console: Console, speeds: dict[str, list[float]]) -> None:
 
 
 def speed_in_all(reports: list[Report], start_s: float, end_s: float) -> float:
-    """Add up what all flights flew between two wall times; simulated seconds a wall second."""
-    return sum(report.frames(start_s, end_s)[1] for report in reports) / (end_s - start_s)
+    """Add up what all flights flew between two wall times; simulated seconds per wall second."""
+    return sum(report.images(start_s, end_s)[1] for report in reports) / (end_s - start_s)
 
 
 def common_stretch(reports: list[Report]) -> tuple[float, float]:

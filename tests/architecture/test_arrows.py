@@ -9,7 +9,10 @@ import pytest
 from tests.paths import ROOT
 
 HEAVY = ("torch", "pybullet", "cv2", "scipy", "pymavlink", "matplotlib", "pyarrow")
-COMMANDS = ("sitl", "flightstack.companion", "flightstack.training", "flightstack.logs")
+COMMANDS = (
+    *("sitl", "flightstack.companion", "flightstack.launch"),
+    *("flightstack.training", "flightstack.evaluation", "flightstack.logs"),
+)
 REPORT_LOADED = """
 import runpy, sys
 module, *heavy = sys.argv[1:]

@@ -12,8 +12,8 @@ from pathlib import Path
 
 from pymavlink.dialects.v20 import common
 
+from flightstack.launch.instances import CAMERA_PORT, free_instance
 from flightstack.mavlink.packets import PacketSplitter, message_id, source_of, split_packets
-from scripts.fly_course import CAMERA_PORT, free_instance
 from tests.flight.processes import process
 from tests.wire.companion.companion_trial import free_port
 from tests.wire.proxy import Hook, Proxy

@@ -6,16 +6,19 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from scripts.fly_course import API_PORT, free_instance
+from flightstack.launch.instances import API_PORT, free_instance
+from flightstack.launch.processes import Process, running
+from flightstack.launch.processes import module as launched
 from tests.paths import ROOT
 
 ENVIRONMENT = {"OMP_NUM_THREADS": "1"} | os.environ
 FAST = ("--speed-factor", "0")  # as fast as possible
 LOCKSTEP = ("--lockstep", *FAST)
+ENDS_S = 10.0
 VEHICLES = ("sitl", "tests.wire.offboard.draggy_vehicle")
 
 
@@ -24,8 +27,8 @@ class Pair:
     """A vehicle and the companion that flies it."""
 
     instance: int
-    vehicle: subprocess.Popen[bytes]
-    companion: subprocess.Popen[bytes]
+    vehicle: Process
+    companion: Process
     vehicle_log: Path  # tlog of all the vehicle's links
     companion_log: Path  # tlog of the companion's link
     companion_output: Path
@@ -67,33 +70,13 @@ def run_module(module: str, *options: str, timeout_s: float = 60.0) -> Ended:
 
 
 @contextlib.contextmanager
-def ended(running: subprocess.Popen[bytes]) -> Iterator[subprocess.Popen[bytes]]:
-    """Terminate, then kill, on the way out."""
-    with running:
-        try:
-            yield running
-        finally:
-            running.terminate()
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                running.wait(10.0)
-            running.kill()
-
-
-@contextlib.contextmanager
-def process(module: str, *options: str, log: Path) -> Iterator[subprocess.Popen[bytes]]:
+def process(module: str, *options: str, log: Path) -> Iterator[Process]:
     """Start `python -m module`, both outputs into `log`; it ends on the way out."""
     soon = ("--ready-after=1",) if module in VEHICLES else ()  # the options go before that
     with log.open("wb") as output:
-        running = subprocess.Popen(
-            [sys.executable, "-m", module, *soon, *options],
-            cwd=ROOT,
-            env=ENVIRONMENT,
-            stdin=subprocess.DEVNULL,
-            stdout=output,
-            stderr=subprocess.STDOUT,
-        )
-        with ended(running):
-            yield running
+        program = launched(module, [*soon, *options], output, subprocess.STDOUT)
+        with running(replace(program, folder=ROOT), ends_s=ENDS_S) as started:
+            yield started
 
 
 @contextlib.contextmanager

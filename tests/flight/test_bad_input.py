@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from scripts.fly_course import API_PORT, free_instance
+from flightstack.launch.instances import API_PORT, free_instance
 from tests.flight.processes import Ended, process, run, run_module
 from tests.paths import ROOT
 

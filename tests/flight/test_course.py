@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from scripts.fly_course import free_instance
+from flightstack.launch.instances import free_instance
 from tests.flight import tlogs
 from tests.flight.processes import Ended, process, run, run_module
 from tests.paths import ROOT

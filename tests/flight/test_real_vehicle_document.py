@@ -14,7 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from scripts.fly_course import API_PORT, free_instance
+from flightstack.launch.instances import API_PORT, free_instance
+from flightstack.launch.processes import Process, Program, running
 from tests.flight.bare_vehicle import (
     GROUND_STATION_PORTS,
     SerialLine,
@@ -22,7 +23,7 @@ from tests.flight.bare_vehicle import (
     bare_vehicle,
     indoors,
 )
-from tests.flight.processes import ENVIRONMENT, Ended, ended
+from tests.flight.processes import ENDS_S, ENVIRONMENT, Ended
 from tests.paths import ROOT
 
 pytestmark = pytest.mark.flight
@@ -61,7 +62,7 @@ class FlightDay:
             return self._start_vehicle(command)
         if "-m flightstack.companion" in command:
             return self._fly(command)
-        with ended(self._shell(command, subprocess.PIPE)) as shell:
+        with running(self._shell(command, subprocess.PIPE), ends_s=ENDS_S) as shell:
             said = shell.communicate(timeout=60)[0].decode()
         return Ended(code=shell.returncode, stdout=said, stderr="")
 
@@ -74,8 +75,8 @@ class FlightDay:
         local, remote = (port + instance for port in GROUND_STATION_PORTS)
         place = (f"--instance={instance}", f"--gcs-link={local}:{remote}", "--noise=0,0", SPEED)
         output = self.folder / "simulator.txt"
-        vehicle = self._shell(f"{' '.join((command, *place))} 2> {output}", subprocess.DEVNULL)
-        self._vehicle.enter_context(ended(vehicle))
+        program = self._shell(f"{' '.join((command, *place))} 2> {output}", subprocess.DEVNULL)
+        vehicle = self._vehicle.enter_context(running(program, ends_s=ENDS_S))
         self._substitutes = {"14540": str(API_PORT + instance)}
         deadline_s = time.monotonic() + FLIGHT_S
         while not output.exists() or UP not in output.read_text():
@@ -102,7 +103,7 @@ class FlightDay:
         if "--camera" in command:
             self._meet_vehicle(command)
         name = name_of(command)
-        with ended(self._shell(command, subprocess.PIPE)) as companion:
+        with running(self._shell(command, subprocess.PIPE), ends_s=ENDS_S) as companion:
             said = ""
             if name == "bench":
                 said = _read_until(companion, WAITING)
@@ -118,17 +119,16 @@ class FlightDay:
             assert time.monotonic() < deadline_s
             time.sleep(0.1)
 
-    def _shell(self, command: str, output: int) -> subprocess.Popen[bytes]:
+    def _shell(self, command: str, output: int) -> Program:
         for written, meant in self._substitutes.items():
             command = command.replace(written, meant)
         command = command.replace("python -m", f"exec {shlex.quote(sys.executable)} -m")
-        return subprocess.Popen(
-            ["/bin/bash", "-euo", "pipefail", "-c", command],
-            cwd=self.folder,
-            env=ENVIRONMENT | {"PYTHONPATH": str(ROOT)},
-            stdin=subprocess.DEVNULL,
+        return Program(
+            command=["/bin/bash", "-euo", "pipefail", "-c", command],
             stdout=output,
             stderr=subprocess.STDOUT if output == subprocess.PIPE else output,
+            environment=ENVIRONMENT | {"PYTHONPATH": str(ROOT)},
+            folder=self.folder,
         )
 
 
@@ -137,17 +137,17 @@ def name_of(command: str) -> str:
     return str(re.findall(r"--log logs/(\w+)\.tlog", command)[0])
 
 
-def _read_until(running: subprocess.Popen[bytes], text: str) -> str:
-    assert running.stdout is not None
+def _read_until(process: Process, text: str) -> str:
+    assert process.stdout is not None
     said = ""
     deadline_s = time.monotonic() + FLIGHT_S
     with selectors.DefaultSelector() as selector:
-        selector.register(running.stdout, selectors.EVENT_READ)
+        selector.register(process.stdout, selectors.EVENT_READ)
         while text not in said:
             left_s = deadline_s - time.monotonic()
             assert left_s > 0.0, f"no {text!r} in {said!r}"
             if selector.select(left_s):
-                chunk = os.read(running.stdout.fileno(), 65536)
+                chunk = os.read(process.stdout.fileno(), 65536)
                 assert chunk, f"ended before {text!r}: {said!r}"
                 said += chunk.decode()
     return said

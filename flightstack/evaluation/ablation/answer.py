@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from flightstack.evaluation.ablation.design import FACTORS, Point, corner, cube
 from flightstack.evaluation.ablation.effects import main_effects, one_at_a_time, shares
 from flightstack.evaluation.ablation.pace import Control
-from flightstack.evaluation.results.statistics import Estimate, difference_over
+from flightstack.evaluation.results.statistics import MeanEstimate, difference_over
 from flightstack.evaluation.trials.rows import TrialRow, by_cell, by_track
 
 MEASURES = ("gates_passed", "is_full")
@@ -14,28 +14,28 @@ ByTrack = Mapping[int, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Against:
+class Comparison:
     """What a strategy changes against another, on the same tracks."""
 
     strategy: str
     minus: str
-    gates: Estimate
-    full: Estimate
-    speed_m_s: Estimate  # flown: how well a control's pace is met
+    gates: MeanEstimate
+    full: MeanEstimate
+    speed_m_s: MeanEstimate  # flown: how well a control's pace is met
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Answer:
+class ConditionAnswer:
     """One condition's answer; tables by measure (gates_passed, is_full), then by factor."""
 
     condition: str
-    whole: Against  # mi-mode against de-mean
-    shares: dict[str, dict[str, Estimate]]  # of the three factors; they add up to the whole
-    added: dict[str, dict[str, Estimate]]  # each alone to de-mean
-    lost: dict[str, dict[str, Estimate]]  # each alone from mi-mode
-    main: dict[str, dict[str, Estimate]]  # "factor: level", where all combinations were flown
-    pace_alone: Against  # mi-mode's control against de-mean
-    controls: tuple[Against, ...]  # each strategy against its control
+    whole: Comparison  # mi-mode against de-mean
+    shares: dict[str, dict[str, MeanEstimate]]  # of the three factors; they add up to the whole
+    added: dict[str, dict[str, MeanEstimate]]  # each alone to de-mean
+    lost: dict[str, dict[str, MeanEstimate]]  # each alone from mi-mode
+    main: dict[str, dict[str, MeanEstimate]]  # "factor: level", where all combinations were flown
+    pace_alone: Comparison  # mi-mode's control against de-mean
+    controls: tuple[Comparison, ...]  # each strategy against its control
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +43,7 @@ class Ablation:
     """All answers, and how the controls came about."""
 
     controls: tuple[Control, ...]
-    answers: tuple[Answer, ...]
+    answers: tuple[ConditionAnswer, ...]
 
 
 def answer(
@@ -72,14 +72,14 @@ def _answer(
     cells: Mapping[str, Sequence[TrialRow]],
     points: Sequence[Point],
     controls: Mapping[str, Control],
-) -> Answer:
+) -> ConditionAnswer:
     plain, papers = corner(()).strategy, corner(FACTORS).strategy
     values = {
         measure: {point: by_track(cells[point.strategy], measure) for point in points}
         for measure in MEASURES
     }
     alone = {measure: one_at_a_time(own) for measure, own in values.items()}
-    return Answer(
+    return ConditionAnswer(
         condition=condition,
         whole=_against(cells, papers, plain),
         shares={measure: shares(own) for measure, own in values.items()},
@@ -95,13 +95,13 @@ def _answer(
     )
 
 
-def _main(values: Mapping[Point, ByTrack]) -> dict[str, Estimate]:
+def _main(values: Mapping[Point, ByTrack]) -> dict[str, MeanEstimate]:
     return {f"{factor}: {level}": own for (factor, level), own in main_effects(values).items()}
 
 
-def _against(cells: Mapping[str, Sequence[TrialRow]], strategy: str, minus: str) -> Against:
+def _against(cells: Mapping[str, Sequence[TrialRow]], strategy: str, minus: str) -> Comparison:
     gates, full, speed_m_s = (
         difference_over(by_track(cells[strategy], measure), by_track(cells[minus], measure))
         for measure in (*MEASURES, "mean_speed_m_s")
     )
-    return Against(strategy=strategy, minus=minus, gates=gates, full=full, speed_m_s=speed_m_s)
+    return Comparison(strategy=strategy, minus=minus, gates=gates, full=full, speed_m_s=speed_m_s)

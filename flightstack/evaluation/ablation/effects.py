@@ -11,12 +11,12 @@ import itertools
 from collections.abc import Iterable, Mapping, Sequence
 
 from flightstack.evaluation.ablation.design import FACTORS, PLAIN, Point, corner
-from flightstack.evaluation.results.statistics import Estimate, mean_over
+from flightstack.evaluation.results.statistics import MeanEstimate, mean_over
 
 ByTrack = Mapping[int, float]
 
 
-def shares(values: Mapping[Point, ByTrack]) -> dict[str, Estimate]:
+def shares(values: Mapping[Point, ByTrack]) -> dict[str, MeanEstimate]:
     """Split corner(FACTORS) - corner(()) by factor; `values` holds all eight corners by track."""
     orders = list(itertools.permutations(FACTORS))
     steps: dict[str, list[ByTrack]] = {factor: [] for factor in FACTORS}
@@ -27,7 +27,7 @@ def shares(values: Mapping[Point, ByTrack]) -> dict[str, Estimate]:
     return {factor: mean_over(_mean_by_track(own)) for factor, own in steps.items()}
 
 
-def one_at_a_time(values: Mapping[Point, ByTrack]) -> dict[str, tuple[Estimate, Estimate]]:
+def one_at_a_time(values: Mapping[Point, ByTrack]) -> dict[str, tuple[MeanEstimate, MeanEstimate]]:
     """For each factor: what it adds to de-mean, and what mi-mode loses without it."""
     plain, papers = values[corner(())], values[corner(FACTORS)]
     found = {}
@@ -39,7 +39,7 @@ def one_at_a_time(values: Mapping[Point, ByTrack]) -> dict[str, tuple[Estimate, 
     return found
 
 
-def main_effects(values: Mapping[Point, ByTrack]) -> dict[tuple[str, str], Estimate]:
+def main_effects(values: Mapping[Point, ByTrack]) -> dict[tuple[str, str], MeanEstimate]:
     """For each level of each factor: what it changes against the plain level, all else averaged."""
     found = {}
     for factor in FACTORS:

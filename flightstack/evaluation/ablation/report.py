@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from flightstack.evaluation.ablation.answer import Ablation, Against, Answer
+from flightstack.evaluation.ablation.answer import Ablation, Comparison, ConditionAnswer
 from flightstack.evaluation.ablation.design import FACTORS, PAPERS, PLAIN
 from flightstack.evaluation.results.markdown import (
     cells,
@@ -10,13 +10,13 @@ from flightstack.evaluation.results.markdown import (
     figure,
     table,
 )
-from flightstack.evaluation.results.statistics import Estimate
-from flightstack.evaluation.results.summary import Summary
+from flightstack.evaluation.results.statistics import MeanEstimate
+from flightstack.evaluation.results.summary import ExperimentSummary
 
-Measures = Mapping[str, Mapping[str, Estimate]]
+Measures = Mapping[str, Mapping[str, MeanEstimate]]
 
 
-def ablation_sections(summary: Summary, ablation: Ablation, model: str) -> list[str]:
+def ablation_sections(summary: ExperimentSummary, ablation: Ablation, model: str) -> list[str]:
     """Write all."""
     gates = summary.cells[0].gates_total
     answers = "\n".join(map(_parts, ablation.answers)) or "No condition is complete yet.\n"
@@ -32,8 +32,8 @@ def ablation_sections(summary: Summary, ablation: Ablation, model: str) -> list[
     ]
 
 
-def _parts(answer: Answer) -> str:
-    def line(name: str, against: Against) -> list[str]:
+def _parts(answer: ConditionAnswer) -> str:
+    def line(name: str, against: Comparison) -> list[str]:
         return [name, figure(against.gates, "+.2f"), figure(against.full, "+.0%")]
 
     left = next(one for one in answer.controls if one.strategy == answer.whole.strategy)
@@ -56,7 +56,7 @@ def _explanation() -> str:
     )
 
 
-def _one_at_a_time(answers: Sequence[Answer]) -> str:
+def _one_at_a_time(answers: Sequence[ConditionAnswer]) -> str:
     added, kept = "added to de-mean, gates", "in mi-mode against without it, gates"
     header = ["condition", "factor", added, "whole courses", kept, "whole courses"]
     return table(
@@ -73,7 +73,7 @@ def _one_at_a_time(answers: Sequence[Answer]) -> str:
     )
 
 
-def _main_effects(answers: Sequence[Answer]) -> list[str]:
+def _main_effects(answers: Sequence[ConditionAnswer]) -> list[str]:
     lines = [
         [answer.condition, name, *_both(answer.main, name)]
         for answer in answers
@@ -88,7 +88,7 @@ def _main_effects(answers: Sequence[Answer]) -> list[str]:
     ]
 
 
-def _controls(answers: Sequence[Answer]) -> str:
+def _controls(answers: Sequence[ConditionAnswer]) -> str:
     return table(
         ["condition", "strategy", "control", "gates", "whole courses", "mean speed, m/s"],
         (

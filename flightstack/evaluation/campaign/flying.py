@@ -5,10 +5,10 @@ from collections import Counter
 
 from flightstack import models
 from flightstack.errors import FlightstackError, ModelError
-from flightstack.evaluation.campaign.crew import LOKY, WORKER_DIED, Crew
 from flightstack.evaluation.campaign.folder import Folder
-from flightstack.evaluation.campaign.progress import Progress
-from flightstack.evaluation.campaign.stopping import stopping_once
+from flightstack.evaluation.campaign.interruption import interrupted_once
+from flightstack.evaluation.campaign.progress import TrialProgress
+from flightstack.evaluation.campaign.workers import LOKY, WORKER_DIED, Workers
 from flightstack.evaluation.flights.reading import Provenance
 from flightstack.evaluation.trials.experiment import Experiment, Key, Trial
 from flightstack.evaluation.trials.rows import TrialRow
@@ -40,21 +40,23 @@ def fly(
     weights, version = _weights_of(experiment), commit()
     losses: Counter[Key] = Counter()  # of flights, by the death of a worker
     given_up: set[Key] = set()
-    with stopping_once(), folder.locked(), _progress(folder, version) as progress:
+    with interrupted_once(), folder.locked(), _progress(folder, version) as progress:
         for _ in range(WORKER_DEATHS):
             trials = [trial for trial in folder.missing if trial.key not in given_up]
             if not trials:
                 break
-            crew = Crew(jobs, backend, keep_logs=keep_logs)
-            orders = ((trial, _provenance(experiment, trial, weights, version)) for trial in trials)
-            with contextlib.closing(crew.fly(orders)) as flights:
+            workers = Workers(jobs, backend, keep_logs=keep_logs)
+            assignments = (
+                (trial, _provenance(experiment, trial, weights, version)) for trial in trials
+            )
+            with contextlib.closing(workers.fly(assignments)) as flights:
                 for flown in flights:
                     folder.keep(flown.after(losses[flown.trial.key]))
                     progress.note(flown)
-                    given_up |= {flown.trial.key} if flown.landed is None else set()
-            if crew.has_died:
+                    given_up |= {flown.trial.key} if flown.flight is None else set()
+            if workers.has_died:
                 progress.say(f"{WORKER_DIED}: its trials are flown again")
-            for flown in crew.lost:
+            for flown in workers.lost:
                 folder.keep(flown)
                 losses[flown.trial.key] += 1
         folder.tidy()
@@ -66,9 +68,9 @@ def fly(
     return folder.rows
 
 
-def _progress(folder: Folder, today: str) -> Progress:
+def _progress(folder: Folder, today: str) -> TrialProgress:
     """Begin to count; tell where rows that stand are of other commits than today's."""
-    progress = Progress(len(folder.missing), len(folder.rows))
+    progress = TrialProgress(len(folder.missing), len(folder.rows))
     others = sorted({row.commit for row in folder.rows} - {today})
     if others:
         progress.say(f"those that stand were flown by commit {', '.join(others)}, not by {today}")

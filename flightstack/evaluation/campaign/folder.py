@@ -1,9 +1,9 @@
-"""The folder of one experiment: what was asked for, a row a trial, and their traces.
+"""The folder of one experiment: what was requested, one row per trial, and their traces.
 
-experiment.json  what was asked for: another experiment's folder is refused
-trials.csv       one row a trial, appended whole as they land, sorted at the end
+experiment.json  what was requested: another experiment's folder is refused
+trials.csv       one row per trial, appended whole as they land, sorted at the end
 times.csv        wall time of each trial, and the flights that died
-traces/, logs/   the way of each trial; its tlog where asked for
+traces/, logs/   the way of each trial; its tlog where that is requested
 calibration/     of an ablation: what its controls were found by
 """
 
@@ -16,11 +16,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.campaign.unwritable import told_if_unwritable
-from flightstack.evaluation.flights.flight import Flown, Landed
-from flightstack.evaluation.trials.asked import ASKED, asked_table, check_same
+from flightstack.evaluation.campaign.write_errors import write_errors_as_usage
+from flightstack.evaluation.flights.flight import CompletedFlight, FlownTrial
 from flightstack.evaluation.trials.experiment import Experiment, Key, Trial
+from flightstack.evaluation.trials.request import REQUEST_FILE, check_same, request_table
 from flightstack.evaluation.trials.rows import TrialRow, header_line, read_rows, to_line
+from flightstack.files import write_whole
 
 ROWS, TIMES = "trials.csv", "times.csv"
 TRACES, LOGS = "traces", "logs"
@@ -43,22 +44,22 @@ class Folder:
 
         Raises UsageError where it holds anything but this experiment, by the same models
         (`models`: the SHA-256 of each one's configuration, which holds that of its weights) and
-        the same code of others (`code`: the SHA-256 of each brought part's source); nothing is
+        the same code of others (`code`: the SHA-256 of each part that users bring); nothing is
         written then.
         """
         self.path = path
         self._experiment = experiment
-        asked = asked_table(experiment, models, code)
-        if (path / ASKED).exists():
-            check_same(path, asked)
+        request = request_table(experiment, models, code)
+        if (path / REQUEST_FILE).exists():
+            check_same(path, request)
         elif path.exists():
             _check_free(path)
         self._flown = self._read() if (path / ROWS).exists() else {}
-        with told_if_unwritable():
+        with write_errors_as_usage():
             (path / TRACES).mkdir(parents=True, exist_ok=True)
-            _write_whole(path / ASKED, json.dumps(asked, indent=2) + "\n")
+            write_whole(path / REQUEST_FILE, json.dumps(request, indent=2) + "\n", durable=True)
             if not (path / ROWS).exists():
-                _write_whole(path / ROWS, header_line())
+                write_whole(path / ROWS, header_line(), durable=True)
 
     @property
     def rows(self) -> list[TrialRow]:
@@ -73,7 +74,7 @@ class Folder:
     @contextmanager
     def locked(self) -> Iterator[None]:
         """Hold it against another command; raises UsageError where one flies into it already."""
-        with (self.path / ASKED).open() as file:
+        with (self.path / REQUEST_FILE).open() as file:
             try:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError as error:
@@ -82,41 +83,43 @@ class Folder:
             self.tidy()  # a line that was cut off goes
             yield
 
-    def keep(self, flown: Flown) -> None:
+    def keep(self, flown: FlownTrial) -> None:
         """Write what came of a trial: its row last, so that a row stands for all of it."""
-        with told_if_unwritable():
+        with write_errors_as_usage():
             self._note_times(flown)
-            if flown.landed is not None:
-                self._keep_landed(flown.trial, flown.landed)
+            if flown.flight is not None:
+                self._keep_flight(flown.trial, flown.flight)
 
     def tidy(self) -> None:
         """Write the rows anew, in order."""
-        with told_if_unwritable():
-            _write_whole(self.path / ROWS, header_line() + "".join(map(to_line, self.rows)))
+        with write_errors_as_usage():
+            write_whole(
+                self.path / ROWS, header_line() + "".join(map(to_line, self.rows)), durable=True
+            )
 
     def _read(self) -> dict[Key, TrialRow]:
         return {row.key: row for row in read_trials(self.path, self._experiment)}
 
-    def _keep_landed(self, trial: Trial, landed: Landed) -> None:
-        landed.trace.save(self.path / TRACES / f"{trial}.npz")
-        if landed.log is not None:
+    def _keep_flight(self, trial: Trial, flight: CompletedFlight) -> None:
+        flight.trace.save(self.path / TRACES / f"{trial}.npz")
+        if flight.log is not None:
             (self.path / LOGS).mkdir(exist_ok=True)
-            (self.path / LOGS / f"{trial}.tlog").write_bytes(landed.log)
-        _append(self.path / ROWS, to_line(landed.row))
-        self._flown[landed.row.key] = landed.row
+            (self.path / LOGS / f"{trial}.tlog").write_bytes(flight.log)
+        _append(self.path / ROWS, to_line(flight.row))
+        self._flown[flight.row.key] = flight.row
 
-    def _note_times(self, flown: Flown) -> None:
+    def _note_times(self, flown: FlownTrial) -> None:
         path = self.path / TIMES
         is_new = not path.exists()
         with path.open("a", newline="") as file:
             lines = csv.writer(file, lineterminator="\n")
             if is_new:
                 lines.writerow(TIME_COLUMNS)
-            landed = flown.landed
+            flight = flown.flight
             times = (
                 (flown.wall_s, 0.0, 0.0)
-                if landed is None
-                else (flown.wall_s, landed.flight_s, landed.simulated_s)
+                if flight is None
+                else (flown.wall_s, flight.flight_s, flight.simulated_s)
             )
             texts = (f"{time_s:.3f}" for time_s in times)
             lines.writerow([str(flown.trial), *texts, "; ".join(flown.deaths)])
@@ -128,11 +131,11 @@ def read_trials(path: Path, experiment: Experiment) -> list[TrialRow]:
     Raises UsageError where they cannot be read, or one is of no trial of this experiment.
     """
     rows = read_rows(path / ROWS)
-    asked = {trial.key for trial in experiment.plan()}
-    stranger = next((row for row in rows if row.key not in asked), None)
+    requested = {trial.key for trial in experiment.plan()}
+    stranger = next((row for row in rows if row.key not in requested), None)
     if stranger is not None:
         name = "-".join(map(str, stranger.key))
-        raise UsageError(f"{path / ROWS} is damaged: {ASKED} asks for no trial {name}")
+        raise UsageError(f"{path / ROWS} is damaged: {REQUEST_FILE} asks for no trial {name}")
     return in_order(experiment, rows)
 
 
@@ -154,9 +157,9 @@ def in_order(experiment: Experiment, rows: Iterable[TrialRow]) -> list[TrialRow]
 def calibration_folder(path: Path) -> Path:
     """Name the place of an experiment's calibration; raises UsageError where none may be."""
     calibration = path / CALIBRATION
-    if (path / ASKED).exists() and not calibration.exists():
+    if (path / REQUEST_FILE).exists() and not calibration.exists():
         raise UsageError(f"{path} holds another experiment: choose another --out")
-    if path.exists() and not (path / ASKED).exists():
+    if path.exists() and not (path / REQUEST_FILE).exists():
         _check_free(path)
     return calibration
 
@@ -172,13 +175,3 @@ def _append(path: Path, line: str) -> None:
         file.write(line)
         file.flush()
         os.fsync(file.fileno())
-
-
-def _write_whole(path: Path, text: str) -> None:
-    """Replace a file at once, or leave it."""
-    partial = path.with_name(path.name + ".partial")
-    with partial.open("w", newline="") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    partial.replace(path)

@@ -16,7 +16,7 @@ def add_flying_options(parser: argparse.ArgumentParser, *, tracks: int = 50) -> 
     add("--trials", type=int, default=1, metavar="K", help="on each track (default: 1)")
     add("--seeds", type=int, default=FIRST_TRACK, metavar="FIRST", help="of the tracks (1000)")
     add("--laps", type=int, default=4, metavar="N", help="of 8 gates (default: 4)")
-    add("--jobs", type=int, metavar="N", help="flights at once (default: one a core)")
+    add("--jobs", type=int, metavar="N", help="flights at once (default: one per core)")
     add("--backend", choices=("loky", "ray"), default="loky", help="(default: loky)")
     add("--out", type=Path, required=True, metavar="DIR", help="folder of rows and results")
     add("--keep-logs", action="store_true", help="keep the companion's tlog of each trial")

@@ -7,22 +7,20 @@ from rich.console import Console
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
+    Progress,
     TaskProgressColumn,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
-from rich.progress import (
-    Progress as Bar,
-)
 
-from flightstack.evaluation.flights.flight import Flown
+from flightstack.evaluation.flights.flight import FlownTrial
 
 LINE_EVERY_S = 30.0
 WINDOW_S = 600.0  # of flights that the time left is judged by
 
 
-class Progress:
+class TrialProgress:
     """Counts trials on standard error."""
 
     def __init__(self, total: int, flown_before: int = 0) -> None:
@@ -31,7 +29,7 @@ class Progress:
         self._done = 0
         self._simulated_s = 0.0
         self._began_s = self._line_s = time.monotonic()
-        self._bar = Bar(
+        self._bar = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
             MofNCompleteColumn(),
@@ -64,13 +62,13 @@ class Progress:
         """Tell something that is worth a line."""
         self._console.print(text, markup=False, soft_wrap=True)
 
-    def note(self, flown: Flown) -> None:
+    def note(self, flown: FlownTrial) -> None:
         """Count a trial; tell of each time it died."""
         for death in flown.deaths:
-            again = "flown again" if flown.landed is not None else "given up"
+            again = "flown again" if flown.flight is not None else "given up"
             self.say(f"{flown.trial}: {death}; {again}")
         self._done += 1
-        self._simulated_s += 0.0 if flown.landed is None else flown.landed.simulated_s
+        self._simulated_s += 0.0 if flown.flight is None else flown.flight.simulated_s
         self._bar.update(self._task, completed=self._done)
         now_s = time.monotonic()
         is_due = now_s - self._line_s >= LINE_EVERY_S or self._done == self._total

@@ -30,6 +30,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Fly what is missing, then write and print the results."""
     # Here, not above: --help must not wait for scipy and torch.
-    from flightstack.evaluation.ablation.conducting import ablate  # noqa: PLC0415
+    from flightstack.evaluation.ablation.ablate import ablate  # noqa: PLC0415
 
     ablate(options)

@@ -32,36 +32,36 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Fly what is missing, then write and print the results."""
     # Here, not above: --help must not wait for scipy and torch.
-    from flightstack.evaluation.campaign.conducting import conduct  # noqa: PLC0415
-    from flightstack.evaluation.ladder.rungs import load_rung  # noqa: PLC0415
     from flightstack.evaluation.results.writing import plain_sections  # noqa: PLC0415
-    from flightstack.evaluation.trials.recalling import recall  # noqa: PLC0415
+    from flightstack.evaluation.run import run_experiment  # noqa: PLC0415
+    from flightstack.evaluation.trials.resume import resume  # noqa: PLC0415
+    from flightstack.evaluation.trials.rungs import load_rung  # noqa: PLC0415
 
     conditions = tuple(load_rung(name)[1] for name in options.rungs)
     if options.report_only:
         options.rungs = [condition.name for condition in conditions]
-        experiment = recall(options, NAME, _options_of)
+        experiment = resume(options, NAME, _options_of)
     else:
-        experiment = _asked(options, conditions)
+        experiment = _request(options, conditions)
     title = f"Benchmark, {experiment.rows[0].name}"
-    conduct(experiment, options, lambda summary: plain_sections(summary, title))
+    run_experiment(experiment, options, lambda summary: plain_sections(summary, title))
 
 
-def _asked(options: argparse.Namespace, conditions: tuple["Condition", ...]) -> "Experiment":
+def _request(options: argparse.Namespace, conditions: tuple["Condition", ...]) -> "Experiment":
     """Put what the user brings first."""
     from flightstack.errors import UsageError  # noqa: PLC0415
-    from flightstack.evaluation.trials.competitors import make_brought_row, make_rows  # noqa: PLC0415
+    from flightstack.evaluation.trials.competitors import make_competitors, make_users_competitor  # noqa: PLC0415
     from flightstack.evaluation.trials.experiment import Experiment, tracks  # noqa: PLC0415
 
     if not any((options.perception, options.policy, options.strategy)):
         raise UsageError("name your own part: --policy, --perception or --strategy")
-    own = make_brought_row(
+    own = make_users_competitor(
         options.model, options.strategy, perception=options.perception, policy=options.policy
     )
     against = [options.model] if options.against is None else options.against
     return Experiment(
         name=NAME,
-        rows=(own, *make_rows(against, [])),
+        rows=(own, *make_competitors(against, [])),
         conditions=conditions,
         track_seeds=tracks(options.tracks, options.seeds),
         trials=options.trials,
@@ -71,9 +71,9 @@ def _asked(options: argparse.Namespace, conditions: tuple["Condition", ...]) -> 
 
 def _options_of(held: "Experiment") -> dict[str, list[str]]:
     own, *others = held.rows
-    brought = dict(text.removeprefix("--").split("=", 1) for text in own.companion_options)
+    users = dict(text.removeprefix("--").split("=", 1) for text in own.companion_options)
     return {
-        **{part: [brought[part]] if part in brought else [] for part in ("perception", "policy")},
+        **{part: [users[part]] if part in users else [] for part in ("perception", "policy")},
         "strategy": [own.strategy],
         "model": [own.model],
         "against": [row.model for row in others],

@@ -23,36 +23,36 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Fly what is missing, then write and print the results."""
     # Here, not above: --help must not wait for scipy and torch.
-    from flightstack.evaluation.campaign.conducting import conduct  # noqa: PLC0415
     from flightstack.evaluation.campaign.folder import read_trials  # noqa: PLC0415
-    from flightstack.evaluation.ladder.report import ladder_sections  # noqa: PLC0415
-    from flightstack.evaluation.ladder.rungs import known_rungs, load_rung  # noqa: PLC0415
     from flightstack.evaluation.pictures.ladder import draw_ladder  # noqa: PLC0415
-    from flightstack.evaluation.results.summary import Summary  # noqa: PLC0415
-    from flightstack.evaluation.trials.competitors import make_rows  # noqa: PLC0415
+    from flightstack.evaluation.results.ladder import ladder_sections  # noqa: PLC0415
+    from flightstack.evaluation.results.summary import ExperimentSummary  # noqa: PLC0415
+    from flightstack.evaluation.run import run_experiment  # noqa: PLC0415
+    from flightstack.evaluation.trials.competitors import make_competitors  # noqa: PLC0415
     from flightstack.evaluation.trials.experiment import Experiment, tracks  # noqa: PLC0415
-    from flightstack.evaluation.trials.recalling import recall  # noqa: PLC0415
+    from flightstack.evaluation.trials.resume import resume  # noqa: PLC0415
+    from flightstack.evaluation.trials.rungs import known_rungs, load_rung  # noqa: PLC0415
 
     rungs = [load_rung(name) for name in options.rungs or known_rungs()]
     about = {condition.name: rung.about for rung, condition in rungs}
     if options.report_only:
         options.rungs = list(about)
-        experiment = recall(options, NAME, _options_of)
+        experiment = resume(options, NAME, _options_of)
     else:
         experiment = Experiment(
             name=NAME,
-            rows=make_rows(options.model, options.strategy),
+            rows=make_competitors(options.model, options.strategy),
             conditions=tuple(condition for _, condition in rungs),
             track_seeds=tracks(options.tracks, options.seeds),
             trials=options.trials,
             laps=options.laps,
         )
 
-    def sections(summary: Summary) -> list[str]:
+    def sections(summary: ExperimentSummary) -> list[str]:
         flown = {name: about[name] for name in summary.conditions if name in about}
         return ladder_sections(summary, read_trials(options.out, experiment), flown, "The ladder")
 
-    conduct(experiment, options, sections, pictures={"ladder": draw_ladder})
+    run_experiment(experiment, options, sections, pictures={"ladder": draw_ladder})
 
 
 def _options_of(held: "Experiment") -> dict[str, list[str]]:

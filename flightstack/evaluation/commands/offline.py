@@ -1,4 +1,4 @@
-"""Judge models on images alone: accuracy, calibration, and what their doubt detects."""
+"""Judge models on images alone: accuracy, calibration, and what their uncertainty detects."""
 
 import argparse
 from pathlib import Path

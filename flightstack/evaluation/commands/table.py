@@ -23,16 +23,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Fly what is missing, then write and print the results."""
     # Here, not above: --help must not wait for scipy and torch.
-    from flightstack.evaluation.campaign.conducting import conduct  # noqa: PLC0415
-    from flightstack.evaluation.results import paper  # noqa: PLC0415
     from flightstack.evaluation.results.writing import table_sections  # noqa: PLC0415
+    from flightstack.evaluation.run import run_experiment  # noqa: PLC0415
+    from flightstack.evaluation.trials import paper  # noqa: PLC0415
     from flightstack.evaluation.trials.experiment import Experiment, tracks  # noqa: PLC0415
-    from flightstack.evaluation.trials.recalling import recall  # noqa: PLC0415
+    from flightstack.evaluation.trials.resume import resume  # noqa: PLC0415
 
     levels = tuple(paper.level(text) for text in options.levels)
     if options.report_only:
         options.levels = [level.name for level in levels]
-        experiment = recall(options, NAME, _options_of)
+        experiment = resume(options, NAME, _options_of)
     else:
         experiment = Experiment(
             name=NAME,
@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> None:
             trials=options.trials,
             laps=options.laps,
         )
-    conduct(experiment, options, table_sections)
+    run_experiment(experiment, options, table_sections)
 
 
 def _options_of(held: "Experiment") -> dict[str, list[str]]:

@@ -2,10 +2,9 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from flightstack.evaluation.flights.command_lines import GATE_LIMIT_S
 from flightstack.evaluation.flights.trace import Trace, speeds
+from flightstack.evaluation.flights.trial_request import GATE_LIMIT_S
 from flightstack.evaluation.trials.experiment import Trial
 from flightstack.evaluation.trials.rows import (
     COLLISION,
@@ -15,6 +14,7 @@ from flightstack.evaluation.trials.rows import (
     TIMEOUT,
     TrialRow,
 )
+from flightstack.launch import FlightResult
 from flightstack.logs import Log, read
 from flightstack.logs.flight.course import find_events
 from flightstack.logs.flight.decisions import Decisions, find_decisions
@@ -41,13 +41,12 @@ class Provenance:
 
 
 def read_flight(
-    trial: Trial, provenance: Provenance, result: dict[str, Any], log_path: Path
+    trial: Trial, provenance: Provenance, result: FlightResult, log_path: Path
 ) -> tuple[TrialRow, Trace]:
     """Read the row, as if it were the first flight, and the trace."""
     log = read(log_path)
     decisions = find_decisions(log)
-    outcome = OUTCOMES.get(result["outcome"], result["outcome"])
-    passed = int(result["gates_passed"])
+    outcome = OUTCOMES.get(result.outcome, result.outcome)
     row = TrialRow(
         experiment=provenance.experiment,
         row=trial.row.name,
@@ -61,12 +60,12 @@ def read_flight(
         track_seed=trial.track_seed,
         trial=trial.trial,
         seed=trial.seed,
-        gates_passed=passed,
-        gates_total=int(result["gates_total"]),
+        gates_passed=result.gates_passed,
+        gates_total=result.gates_total or 0,
         outcome=outcome,
-        failed_gate=None if outcome == FINISHED else passed + 1,
+        failed_gate=None if outcome == FINISHED else result.gates_passed + 1,
         failure=_failure(log, outcome),
-        duration_s=float(result["duration_s"]),
+        duration_s=result.duration_s,
         retries=0,
         commit=provenance.commit,
         weights_sha256=provenance.weights_sha256,

@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Trace:
-    """One entry a decision, 20 a second; positions by the vehicle's own estimate."""
+    """One entry per decision, 20 per second; positions by the vehicle's own estimate."""
 
     time_s: Floats  # (T,) vehicle time since the first decision
     position_ned: Floats  # (T, 3) m

@@ -1,4 +1,4 @@
-"""Draw how one ambiguous image becomes doubt: latent densities, then velocities, as in Fig. 3.
+"""Draw what one ambiguous image makes uncertain: latent densities, then velocities: Fig. 3.
 
 Reference: Arnez et al. 2022, "Quantifying and Using System Uncertainty in UAV Navigation", Fig. 3.
 """

@@ -1,4 +1,4 @@
-"""Judge one model on images alone: accuracy, calibration, and what its doubt detects."""
+"""Judge one model on images alone: accuracy, calibration, and what its uncertainty detects."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -27,7 +27,7 @@ class Judgement:
     scene_images: int
     velocities: dict[str, dict[str, Any]]  # scores, coverage90 and the curve, by velocity
     poses: dict[str, dict[str, float]]  # mean absolute errors: all, in BAND_M, of a constant
-    auroc: dict[str, dict[str, float]]  # by kind of scene, then by part of the doubt
+    auroc: dict[str, dict[str, float]]  # by kind of scene, then by part of the uncertainty
     multimodal: dict[str, list[float]]  # share of images, by velocity: in flight, double gates
     strategies_differ: dict[str, dict[str, float]]  # |mi-mode - de-mean|, by velocity
 
@@ -90,9 +90,11 @@ def _poses(model: Model, material: Material) -> dict[str, dict[str, float]]:
 
 
 def _auroc(model: Model, scenes: dict[str, Predictions]) -> dict[str, dict[str, float]]:
-    """One score an image and part: the deviations in shares of each velocity's range, averaged."""
+    """One score per image and part: the deviations in shares of each velocity's range, averaged."""
     scale = model.config.policy.velocity_range.scale
-    scores = {kind: (made.doubt / scale).mean(axis=2) for kind, made in scenes.items()}  # (K, P)
+    scores = {
+        kind: (made.uncertainty / scale).mean(axis=2) for kind, made in scenes.items()
+    }  # (K, P)
     return {
         kind: {part: detection(scores[PLAIN][:, p], score[:, p]) for p, part in enumerate(PARTS)}
         for kind, score in scores.items()

@@ -39,7 +39,7 @@ class Predictions:
 
     mean: NDArray[np.float64]  # (K, N M, 4) m/s, rad/s
     var: NDArray[np.float64]  # (K, N M, 4)
-    doubt: NDArray[np.float64]  # (K, len(PARTS), 4) standard deviations
+    uncertainty: NDArray[np.float64]  # (K, len(PARTS), 4) standard deviations
     modes: NDArray[np.int64]  # (K, 4) of the pool's means
     de_mean: NDArray[np.float64]  # (K, 4) commands
     mi_mode: NDArray[np.float64]  # (K, 4)
@@ -54,7 +54,7 @@ class Predictions:
         return cls(
             mean=np.stack([s.mean.reshape(-1, s.mean.shape[2]) for s in samples]),
             var=np.stack([s.var.reshape(-1, s.var.shape[2]) for s in samples]),
-            doubt=np.stack([_doubt(decision) for decision in pooled]),
+            uncertainty=np.stack([_uncertainty(decision) for decision in pooled]),
             modes=np.stack([decision.modes for decision in pooled]),
             de_mean=np.stack([decision.command for decision in pooled]),
             mi_mode=np.stack([decision.command for decision in chosen]),
@@ -65,7 +65,7 @@ def _decide(strategy: Strategy, samples: list[ActionSamples]) -> list[Decision]:
     return [strategy.decide(one) for one in samples]
 
 
-def _doubt(decision: Decision) -> NDArray[np.float64]:
+def _uncertainty(decision: Decision) -> NDArray[np.float64]:
     """Each of PARTS for each velocity: (len(PARTS), 4)."""
     parts = np.stack([decision.aleatoric_std, decision.epistemic_std, decision.perceptual_std])
     return np.concatenate([parts, np.sqrt(np.square(parts).sum(axis=0, keepdims=True))])

@@ -61,7 +61,9 @@ def _poses(judged: list[Judgement]) -> Table:
 
 
 def _auroc(judged: list[Judgement]) -> Table:
-    table = _table("What doubt detects, against plain scenes: AUROC", "model", "scene", *PARTS)
+    table = _table(
+        "What uncertainty detects, against plain scenes: AUROC", "model", "scene", *PARTS
+    )
     for one in judged:
         for kind, found in one.auroc.items():
             table.add_row(one.model, kind, *(f"{found[part]:.2f}" for part in PARTS))

@@ -1,4 +1,4 @@
-"""Images that ought to raise doubt, each kind beside plain ones: what is ambiguous, or unseen.
+"""Images that ought to raise uncertainty, beside plain ones: what is ambiguous, or unseen.
 
 Plain scenes and their spoiled copies share gates, attitude and daylight, image by image, so that
 nothing but the spoiling tells them apart.

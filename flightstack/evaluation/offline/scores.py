@@ -1,4 +1,4 @@
-"""Scores of predictive mixtures, and of doubt as a detector, by the libraries that have them.
+"""Scores of predictive mixtures, and of uncertainty as a detector, by the libraries that have them.
 
 References:
     Gneiting and Raftery 2007, "Strictly proper scoring rules": NLL and CRPS.

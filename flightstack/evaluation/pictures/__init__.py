@@ -1,1 +1,1 @@
-"""Pictures of an experiment, made from its rows and traces alone: one module a picture."""
+"""Pictures of an experiment, made from its rows and traces alone: one module per picture."""

@@ -1,4 +1,4 @@
-"""Draw every trial from above, coloured by uncertainty: a panel a row and condition."""
+"""Draw every trial from above, coloured by uncertainty: a panel per row and condition."""
 
 import itertools
 import math
@@ -16,10 +16,10 @@ from flightstack.logs.flight.course import DEFAULT_HALF_OPENING_M
 
 PANEL_IN = 3.1
 EDGE_IN = 0.9
-MOST_ACROSS = 6
+MAX_PANELS_ACROSS = 6
 GATES = {"colors": MUTED, "linewidths": 1.0, "alpha": 0.6}
 COLOUR_MAP = "viridis"  # even in grey, and for the colour-blind
-BRIGHTEST = 98.0  # percentile of uncertainty: a few wild decisions must not dull all others
+BRIGHTEST_PERCENTILE = 98.0  # of uncertainty: a few wild decisions must not dull all others
 FAILED = "#d55e00"
 
 
@@ -35,7 +35,7 @@ def draw_birds_eye(ways: Mapping[tuple[str, str], Sequence[Way]]) -> Any:
     """Return the picture; ways by (row, condition)."""
     rows = list(dict.fromkeys(row for row, _ in ways))
     conditions = list(dict.fromkeys(condition for _, condition in ways))
-    across = min(MOST_ACROSS, len(conditions))
+    across = min(MAX_PANELS_ACROSS, len(conditions))
     lines = math.ceil(len(conditions) / across)  # that a row takes
     down = lines * len(rows)
     figure = new_figure(PANEL_IN * across + EDGE_IN, PANEL_IN * down + EDGE_IN)
@@ -58,8 +58,8 @@ def draw_birds_eye(ways: Mapping[tuple[str, str], Sequence[Way]]) -> Any:
 def colour_scale(uncertainty: Sequence[NDArray[np.float64]]) -> Any:
     """Return one scale for all panels, from zero to what nearly all decisions stay below."""
     known = np.concatenate([values[np.isfinite(values)] for values in uncertainty])
-    most = float(np.percentile(known, BRIGHTEST)) if len(known) else 1.0
-    norm = load_library("matplotlib.colors", "evaluation").Normalize(0.0, most or 1.0)
+    brightest = float(np.percentile(known, BRIGHTEST_PERCENTILE)) if len(known) else 1.0
+    norm = load_library("matplotlib.colors", "evaluation").Normalize(0.0, brightest or 1.0)
     return load_library("matplotlib.cm", "evaluation").ScalarMappable(norm, COLOUR_MAP)
 
 

@@ -4,16 +4,16 @@ from typing import Any
 
 from flightstack.evaluation.pictures.dots import LINE_IN, draw_dot, lay_lines
 from flightstack.evaluation.pictures.style import COLOURS, INK, new_figure
-from flightstack.evaluation.results.statistics import Estimate
-from flightstack.evaluation.results.summary import Difference, Summary
+from flightstack.evaluation.results.statistics import MeanEstimate
+from flightstack.evaluation.results.summary import Difference, ExperimentSummary
 
 WIDTH_IN = 11.0
 HEAD_IN = 1.1
 PERCENT = 100.0
 
 
-def draw_differences(summary: Summary) -> Any:
-    """Return the picture: gates, whole courses and speed side by side, a line a pair."""
+def draw_differences(summary: ExperimentSummary) -> Any:
+    """Return the picture: gates, whole courses and speed side by side, a line per pair."""
     shown = summary.differences
     figure = new_figure(WIDTH_IN, HEAD_IN + LINE_IN * len(shown))
     gates, full, speed = figure.subplots(1, 3, sharey=True, width_ratios=(2, 1.4, 1.4))
@@ -39,14 +39,14 @@ def draw_differences(summary: Summary) -> Any:
     return figure
 
 
-def _draw_line(parts: tuple[tuple[Any, Estimate], ...], line: int, colour: str) -> None:
+def _draw_line(parts: tuple[tuple[Any, MeanEstimate], ...], line: int, colour: str) -> None:
     for plot, estimate in parts:
         draw_dot(plot, estimate, line, colour=colour)
 
 
-def _percent(one: Difference) -> Estimate:
+def _percent(one: Difference) -> MeanEstimate:
     full = one.full
-    return Estimate(
+    return MeanEstimate(
         mean=full.mean * PERCENT,
         low=None if full.low is None else full.low * PERCENT,
         high=None if full.high is None else full.high * PERCENT,

@@ -4,12 +4,14 @@ from collections.abc import Sequence
 from typing import Any
 
 from flightstack.evaluation.pictures.style import GROUND, INK, MUTED, plain
-from flightstack.evaluation.results.statistics import Estimate
+from flightstack.evaluation.results.statistics import MeanEstimate
 
 LINE_IN = 0.26
 
 
-def draw_dot(plot: Any, estimate: Estimate, at: float, *, colour: str, marker: str = "o") -> None:
+def draw_dot(
+    plot: Any, estimate: MeanEstimate, at: float, *, colour: str, marker: str = "o"
+) -> None:
     """Draw one; hollow where the interval holds zero, or has no width, or where there is none."""
     low, high = estimate.low, estimate.high
     is_sure = False

@@ -10,14 +10,16 @@ from flightstack.evaluation.pictures.birds_eye import Way, draw_birds_eye
 from flightstack.evaluation.pictures.differences import draw_differences
 from flightstack.evaluation.pictures.style import save
 from flightstack.evaluation.pictures.survival import draw_survival
-from flightstack.evaluation.results.summary import Summary
+from flightstack.evaluation.results.summary import ExperimentSummary
 from flightstack.evaluation.trials.rows import TrialRow, by_cell
 
 FOLDER = "pictures"
-Draw = Callable[[Summary], Any]  # returns a figure
+Draw = Callable[[ExperimentSummary], Any]  # returns a figure
 
 
-def draw_all(out: Path, summary: Summary, rows: Sequence[TrialRow], own: Mapping[str, Draw]) -> str:
+def draw_all(
+    out: Path, summary: ExperimentSummary, rows: Sequence[TrialRow], own: Mapping[str, Draw]
+) -> str:
     """Draw into `out` what every experiment has, and its own by name; return the section on them.
 
     Raises MissingLibraryError without matplotlib, UsageError where a trace is damaged.

@@ -1,10 +1,10 @@
-"""Draw a ladder: the gates passed on each rung, a mark a row, with intervals."""
+"""Draw a ladder: the gates passed on each rung, a mark per row, with intervals."""
 
 from typing import Any
 
 from flightstack.evaluation.pictures.dots import lay_lines
-from flightstack.evaluation.pictures.style import INK, looks, new_figure
-from flightstack.evaluation.results.summary import Summary
+from flightstack.evaluation.pictures.style import INK, new_figure, series_styles
+from flightstack.evaluation.results.summary import ExperimentSummary
 
 WIDTH_IN = 8.0
 HEAD_IN = 1.5
@@ -12,18 +12,18 @@ RUNG_IN, ROW_IN = 0.16, 0.16  # of height, for a rung and for each row on it
 SPREAD = 0.7  # of a line, that its rows share
 
 
-def draw_ladder(summary: Summary) -> Any:
+def draw_ladder(summary: ExperimentSummary) -> Any:
     """Return the picture."""
     rows, rungs = summary.rows, summary.conditions
-    row_looks = looks(rows)
+    row_styles = series_styles(rows)
     figure = new_figure(WIDTH_IN, HEAD_IN + (RUNG_IN + ROW_IN * len(rows)) * len(rungs))
     plot = figure.subplots()
-    most = max(cell.gates_total for cell in summary.cells)
-    lay_lines(plot, rungs, f"gates passed, of {most}")
-    plot.set_xlim(-0.03 * most, 1.03 * most)
+    gates_total = max(cell.gates_total for cell in summary.cells)
+    lay_lines(plot, rungs, f"gates passed, of {gates_total}")
+    plot.set_xlim(-0.03 * gates_total, 1.03 * gates_total)
     named = set()
     for cell in summary.cells:
-        look, gates = row_looks[cell.row], cell.gates
+        look, gates = row_styles[cell.row], cell.gates
         place = (rows.index(cell.row) + 0.5) / len(rows) - 0.5
         at = rungs.index(cell.condition) + SPREAD * place
         if gates.low is not None and gates.high is not None:

@@ -19,19 +19,19 @@ DOTS_PER_INCH = 150
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
-    """How one row is drawn in every picture: told by colour and, in grey, by form."""
+class SeriesStyle:
+    """How one row of the table is drawn in every picture: told by colour and, in grey, by form."""
 
     colour: str
     marker: str
     line: str
 
 
-def looks(names: Sequence[str]) -> dict[str, Look]:
+def series_styles(names: Sequence[str]) -> dict[str, SeriesStyle]:
     """Give every row a look of its own, in order."""
     forms = itertools.product(LINES, zip(COLOURS, MARKERS, strict=True))
     pairs = zip(names, itertools.cycle(forms), strict=False)
-    return {name: Look(colour, marker, line) for name, (line, (colour, marker)) in pairs}
+    return {name: SeriesStyle(colour, marker, line) for name, (line, (colour, marker)) in pairs}
 
 
 def new_figure(width_in: float, height_in: float) -> Any:
@@ -44,7 +44,7 @@ def new_figure(width_in: float, height_in: float) -> Any:
 
 
 def plain(plot: Any, *, grid: str = "both") -> None:
-    """Take the frame from a plot, and lay a faint grid under it."""
+    """Take the box from around a plot, and lay a faint grid under it."""
     plot.set_facecolor(GROUND)
     plot.spines[["top", "right"]].set_visible(False)
     plot.spines[["left", "bottom"]].set_color(MUTED)

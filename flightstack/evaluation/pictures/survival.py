@@ -1,31 +1,31 @@
-"""Draw how many trials are left at each gate: a curve a row, a panel a condition."""
+"""Draw how many trials are left at each gate: a curve per row, a panel per condition."""
 
 import math
 from typing import Any
 
 import numpy as np
 
-from flightstack.evaluation.pictures.style import INK, Look, looks, new_figure, plain
-from flightstack.evaluation.results.summary import Cell, Summary
+from flightstack.evaluation.pictures.style import INK, SeriesStyle, new_figure, plain, series_styles
+from flightstack.evaluation.results.summary import Cell, ExperimentSummary
 
 PANEL_IN = (4.6, 3.4)
-MOST_ACROSS = 3
+MAX_PANELS_ACROSS = 3
 LEGEND_LINE_IN = 0.22
 
 
-def draw_survival(summary: Summary) -> Any:
+def draw_survival(summary: ExperimentSummary) -> Any:
     """Return the picture."""
     conditions = summary.conditions
-    across = min(MOST_ACROSS, len(conditions))
+    across = min(MAX_PANELS_ACROSS, len(conditions))
     down = math.ceil(len(conditions) / across)
     legend_in = LEGEND_LINE_IN * (1 + math.ceil(len(summary.rows) / across))
     figure = new_figure(PANEL_IN[0] * across, PANEL_IN[1] * down + legend_in)
     plots = list(figure.subplots(down, across, squeeze=False, sharey=True).flat)
-    row_looks = looks(summary.rows)
+    row_styles = series_styles(summary.rows)
     for plot, condition in zip(plots, conditions, strict=False):
         for cell in summary.cells:
             if cell.condition == condition:
-                _draw_curve(plot, cell, row_looks[cell.row])
+                _draw_curve(plot, cell, row_styles[cell.row])
         _label(plot, condition, max(cell.gates_total for cell in summary.cells))
     for plot in plots[len(conditions) :]:
         plot.set_axis_off()
@@ -40,7 +40,7 @@ def _legend(plot: Any) -> list[tuple[Any, str]]:
     return list(zip(*plot.get_legend_handles_labels(), strict=True))
 
 
-def _draw_curve(plot: Any, cell: Cell, look: Look) -> None:
+def _draw_curve(plot: Any, cell: Cell, look: SeriesStyle) -> None:
     """Draw a step at every gate, from all trials before the first."""
     gates = np.arange(cell.gates_total + 1)
     curve = cell.survival

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Iterable, Sequence
 
-from flightstack.evaluation.results.statistics import NO_SPREAD, Estimate
-from flightstack.evaluation.results.summary import Cell, Summary
+from flightstack.evaluation.results.statistics import NO_SPREAD, MeanEstimate
+from flightstack.evaluation.results.summary import Cell, ExperimentSummary
 
 SURVIVAL_AT = (1, 2, 4, 8, 16, 24, 32)  # gates
 
@@ -14,7 +14,7 @@ def table(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
     return "".join(f"| {' | '.join(line)} |\n" for line in (header, rule, *lines))
 
 
-def figure(estimate: Estimate, form: str = ".2f") -> str:
+def figure(estimate: MeanEstimate, form: str = ".2f") -> str:
     """Write a mean and its interval; a star marks one without spread."""
     mean = format(estimate.mean, form)
     if estimate.low is None or estimate.high is None:
@@ -23,7 +23,7 @@ def figure(estimate: Estimate, form: str = ".2f") -> str:
     return f"{mean} [{format(estimate.low, form)}, {format(estimate.high, form)}]{star}"
 
 
-def cells(summary: Summary, text: Callable[[Cell], str]) -> str:
+def cells(summary: ExperimentSummary, text: Callable[[Cell], str]) -> str:
     """Write one table of a figure of each cell: rows by conditions."""
     return table(
         ["row", *summary.conditions],
@@ -34,7 +34,7 @@ def cells(summary: Summary, text: Callable[[Cell], str]) -> str:
     )
 
 
-def common_sections(summary: Summary) -> list[str]:
+def common_sections(summary: ExperimentSummary) -> list[str]:
     """Write what every experiment tells after its own first table, each with its heading."""
     return [
         "## Whole courses\n\n" + cells(summary, lambda cell: figure(cell.full, ".0%")),
@@ -46,7 +46,7 @@ def common_sections(summary: Summary) -> list[str]:
     ]
 
 
-def differences(summary: Summary) -> list[str]:
+def differences(summary: ExperimentSummary) -> list[str]:
     """Write the paired differences, where there are any."""
     header = ["row - row", "condition", "gates", "whole courses", "mean speed, m/s"]
     lines = [
@@ -62,10 +62,10 @@ def differences(summary: Summary) -> list[str]:
     return ["## Differences on the same tracks\n\n" + table(header, lines)] if lines else []
 
 
-def survival(summary: Summary) -> str:
+def survival(summary: ExperimentSummary) -> str:
     """Write some points of the survival curves."""
-    most = max(cell.gates_total for cell in summary.cells)
-    at = [gate for gate in SURVIVAL_AT if gate <= most]
+    gates_total = max(cell.gates_total for cell in summary.cells)
+    at = [gate for gate in SURVIVAL_AT if gate <= gates_total]
     return table(
         ["row", "condition", *map(str, at)],
         (
@@ -75,7 +75,7 @@ def survival(summary: Summary) -> str:
     )
 
 
-def footnotes(summary: Summary) -> str:
+def footnotes(summary: ExperimentSummary) -> str:
     """Say how the figures came about."""
     retries = sum(cell.retries for cell in summary.cells)
     weights = "\n".join(f"- `{name}`: `{hash_}`" for name, hash_ in summary.weights.items())
@@ -90,7 +90,7 @@ def footnotes(summary: Summary) -> str:
     )
 
 
-def _of(summary: Summary, row: str, condition: str, text: Callable[[Cell], str]) -> str:
+def _of(summary: ExperimentSummary, row: str, condition: str, text: Callable[[Cell], str]) -> str:
     cell = summary.cell(row, condition)
     return "" if cell is None else text(cell)
 

@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Estimate:
+class MeanEstimate:
     """A mean over tracks and its interval; None where one track can tell none."""
 
     mean: float
@@ -32,31 +32,31 @@ class Estimate:
     method: str  # of the interval
 
 
-def mean_over(values: Sequence[float]) -> Estimate:
-    """Estimate the mean of one value a track.
+def mean_over(values: Sequence[float]) -> MeanEstimate:
+    """Estimate the mean of one value per track.
 
     All alike, they tell an interval without width: the true one may be wider. Values that are no
     numbers (of flights without a decision) are left out.
     """
     known = np.array([value for value in values if np.isfinite(value)], dtype=np.float64)
     if not len(known):
-        return Estimate(mean=float("nan"), low=None, high=None, tracks=0, method=ONE_TRACK)
+        return MeanEstimate(mean=float("nan"), low=None, high=None, tracks=0, method=ONE_TRACK)
     mean = float(known.mean())
     if len(known) == 1:
-        return Estimate(mean=mean, low=None, high=None, tracks=1, method=ONE_TRACK)
+        return MeanEstimate(mean=mean, low=None, high=None, tracks=1, method=ONE_TRACK)
     if np.ptp(known) == 0.0:
-        return Estimate(mean=mean, low=mean, high=mean, tracks=len(known), method=NO_SPREAD)
+        return MeanEstimate(mean=mean, low=mean, high=mean, tracks=len(known), method=NO_SPREAD)
     low, high, method = _interval(known)
-    return Estimate(mean=mean, low=low, high=high, tracks=len(known), method=method)
+    return MeanEstimate(mean=mean, low=low, high=high, tracks=len(known), method=method)
 
 
-def share_over(values: Sequence[float]) -> Estimate:
-    """Estimate a share from one a track; where all are 0 or all are 1, by the exact interval."""
+def share_over(values: Sequence[float]) -> MeanEstimate:
+    """Estimate a share from one per track; where all are 0 or all are 1, by the exact interval."""
     found = mean_over(values)
     if found.method != NO_SPREAD or found.mean not in (0.0, 1.0):
         return found
     exact = binomtest(round(found.mean * found.tracks), found.tracks).proportion_ci(CONFIDENCE)
-    return Estimate(
+    return MeanEstimate(
         mean=found.mean,
         low=float(exact.low),
         high=float(exact.high),
@@ -65,7 +65,7 @@ def share_over(values: Sequence[float]) -> Estimate:
     )
 
 
-def difference_over(first: Mapping[int, float], second: Mapping[int, float]) -> Estimate:
+def difference_over(first: Mapping[int, float], second: Mapping[int, float]) -> MeanEstimate:
     """Estimate the mean of first - second, both by track, over the tracks that both have."""
     return mean_over([first[track] - second[track] for track in sorted(first.keys() & second)])
 

@@ -9,7 +9,7 @@ from typing import Any
 from flightstack.evaluation.results.statistics import (
     CONFIDENCE,
     RESAMPLES,
-    Estimate,
+    MeanEstimate,
     difference_over,
     mean_over,
     share_over,
@@ -40,9 +40,9 @@ class Cell:
     command_factor: float
     trials: int
     gates_total: int
-    gates: Estimate
-    full: Estimate  # share of whole courses
-    speed_m_s: Estimate
+    gates: MeanEstimate
+    full: MeanEstimate  # share of whole courses
+    speed_m_s: MeanEstimate
     outcomes: dict[str, int]
     retries: int
     survival: Survival
@@ -55,13 +55,13 @@ class Difference:
     condition: str
     row: str
     minus: str
-    gates: Estimate
-    full: Estimate
-    speed_m_s: Estimate
+    gates: MeanEstimate
+    full: MeanEstimate
+    speed_m_s: MeanEstimate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Summary:
+class ExperimentSummary:
     """All that is said of an experiment, from its rows alone."""
 
     experiment: str
@@ -90,13 +90,13 @@ class Summary:
         return tuple(dict.fromkeys(cell.condition for cell in self.cells))
 
 
-def summarise(rows: Sequence[TrialRow], pairs: Sequence[Pair] | None = None) -> Summary:
+def summarise(rows: Sequence[TrialRow], pairs: Sequence[Pair] | None = None) -> ExperimentSummary:
     """Sum up rows, in their order; differences of these pairs, or of all."""
     cells = by_cell(rows)
     if pairs is None:
         pairs = list(itertools.combinations(dict.fromkeys(row for row, _ in cells), 2))
     conditions = dict.fromkeys(condition for _, condition in cells)
-    return Summary(
+    return ExperimentSummary(
         experiment=rows[0].experiment,
         tracks=tuple(sorted({row.track_seed for row in rows})),
         trials=len(rows),
@@ -144,7 +144,7 @@ def _survival(rows: Sequence[TrialRow]) -> Survival:
 
 
 def _difference(first: Sequence[TrialRow], second: Sequence[TrialRow]) -> Difference:
-    def over(value: str) -> Estimate:
+    def over(value: str) -> MeanEstimate:
         return difference_over(by_track(first, value), by_track(second, value))
 
     return Difference(

@@ -7,14 +7,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from flightstack.evaluation.results import paper
 from flightstack.evaluation.results.markdown import cells, common_sections, figure, table
-from flightstack.evaluation.results.summary import Summary
+from flightstack.evaluation.results.summary import ExperimentSummary
+from flightstack.evaluation.trials import paper
 
 JSON_FILE, MARKDOWN_FILE = "results.json", "results.md"
 
 
-def write(folder: Path, summary: Summary, sections: Iterable[str]) -> None:
+def write(folder: Path, summary: ExperimentSummary, sections: Iterable[str]) -> None:
     """Write both files; the Markdown from sections, each a text with its heading."""
     write_json(folder / JSON_FILE, summary)
     (folder / MARKDOWN_FILE).write_text("\n".join(sections))
@@ -26,7 +26,7 @@ def write_json(path: Path, record: Any) -> None:
     path.write_text(text + "\n")
 
 
-def table_sections(summary: Summary) -> list[str]:
+def table_sections(summary: ExperimentSummary) -> list[str]:
     """Put the paper's Table II beside ours, then all else."""
     gates = summary.cells[0].gates_total
     recipes = ", ".join(sorted({cell.model.partition("/")[0] for cell in summary.cells}))
@@ -37,7 +37,7 @@ def table_sections(summary: Summary) -> list[str]:
     ]
 
 
-def plain_sections(summary: Summary, title: str) -> list[str]:
+def plain_sections(summary: ExperimentSummary, title: str) -> list[str]:
     """Tell of any experiment."""
     gates = summary.cells[0].gates_total
     return [
@@ -47,7 +47,7 @@ def plain_sections(summary: Summary, title: str) -> list[str]:
     ]
 
 
-def _beside_paper(summary: Summary, gates: int) -> str:
+def _beside_paper(summary: ExperimentSummary, gates: int) -> str:
     if gates != paper.GATES:
         ours = cells(summary, lambda cell: figure(cell.gates))
         return f"{ours}\nThe paper's means are of {paper.GATES} gates: nothing to compare.\n"

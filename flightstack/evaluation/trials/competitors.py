@@ -7,13 +7,13 @@ from pathlib import PurePath
 from flightstack import models
 from flightstack.companion.pipeline import load_pipeline
 from flightstack.errors import UsageError
-from flightstack.evaluation.trials.experiment import Row
+from flightstack.evaluation.trials.experiment import Competitor
 
 PATH_PARTS = 2  # of a model's folder that name it: its recipe and its name
 PARTS = ("perception", "policy")
 
 
-def make_rows(names: Sequence[str], strategies: Sequence[str]) -> tuple[Row, ...]:
+def make_competitors(names: Sequence[str], strategies: Sequence[str]) -> tuple[Competitor, ...]:
     """Pair every model with every strategy; with its own where none is named.
 
     Raises ModelError or UsageError where one can't fly.
@@ -24,27 +24,27 @@ def make_rows(names: Sequence[str], strategies: Sequence[str]) -> tuple[Row, ...
         for strategy in strategies or (own,):
             _check_loads(model, strategy)
             name = f"{model_name(model)}-{plain_name(strategy)}"
-            rows.append(Row(name=name, model=model, strategy=strategy))
+            rows.append(Competitor(name=name, model=model, strategy=strategy))
     return tuple(rows)
 
 
-def make_brought_row(
+def make_users_competitor(
     model: str, strategy: str | None, *, perception: str | None, policy: str | None
-) -> Row:
+) -> Competitor:
     """Make the row of a model with parts that a user brings (docs/bring-your-own.md).
 
     Raises ModelError or UsageError where it can't fly.
     """
     _check_loads(model, strategy, perception=perception, policy=policy)
     own = models.read_config(models.find(model) / models.CONFIG_FILE).strategy
-    brought = dict(zip(PARTS, (perception, policy), strict=True))
+    users = dict(zip(PARTS, (perception, policy), strict=True))
     named = [part for part in (perception, policy, strategy) if part is not None]
-    return Row(
+    return Competitor(
         name="-".join(map(plain_name, named)),
         model=model,
         strategy=strategy or own,
         companion_options=tuple(
-            f"--{part}={name}" for part, name in brought.items() if name is not None
+            f"--{part}={name}" for part, name in users.items() if name is not None
         ),
     )
 

@@ -1,8 +1,8 @@
 """What an experiment asks for: every row under every condition, on the same tracks.
 
-    Row        who flies: a model, a strategy           one line of a table
-    Condition  in what: noise, direction, the vehicle    one column of it
-    Trial      one flight of a row in a condition
+    Competitor  who flies: a model, a strategy           one row of a table
+    Condition   in what: noise, direction, the vehicle    one column of it
+    Trial       one flight of a row in a condition
 
 The seed of a trial is a pure function of its track and its number: every model meets the same
 tracks, the same light and the same chance.
@@ -18,13 +18,13 @@ from flightstack.errors import UsageError
 from flightstack.training.seeds import TEST_TRACKS
 
 FIRST_TRACK = 1000  # those before are flown by hand, by tests and in documents
-MOST = 1000  # laps, or trials on a track: more is a slip of the finger
+MAX_COUNT = 1000  # laps, or trials on a track: more is a slip of the finger
 Key = tuple[str, str, int, int]  # row, condition, track and trial
 NAME = re.compile(r"[a-z0-9][a-z0-9._+]*(-[a-z0-9._+]+)*")  # also part of a file's name
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class Competitor:
     """One line of a table: who flies."""
 
     name: str
@@ -55,7 +55,7 @@ class Condition:
 class Trial:
     """One flight."""
 
-    row: Row
+    row: Competitor
     condition: Condition
     track_seed: int
     trial: int  # from 0: repetitions on one track
@@ -85,7 +85,7 @@ class Experiment:
     """Rows times conditions times tracks times trials."""
 
     name: str  # "table", "ladder", ...
-    rows: tuple[Row, ...]
+    rows: tuple[Competitor, ...]
     conditions: tuple[Condition, ...]
     track_seeds: tuple[int, ...]
     trials: int  # on each track
@@ -95,8 +95,8 @@ class Experiment:
         for what, count in (("trials", self.trials), ("laps", self.laps)):
             if count < 1:
                 raise UsageError(f"{what} must be 1 or more, got {count}")
-            if count > MOST:
-                raise UsageError(f"{what} must be {MOST} or fewer, got {count}")
+            if count > MAX_COUNT:
+                raise UsageError(f"{what} must be {MAX_COUNT} or fewer, got {count}")
         if not (self.rows and self.conditions and self.track_seeds):
             raise UsageError(f"{self.name}: there must be a row, a condition and a track")
         for kind, names in (

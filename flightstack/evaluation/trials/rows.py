@@ -1,4 +1,4 @@
-"""One CSV row a trial: all that tables and pictures are made from.
+"""One CSV row per trial: all that tables and pictures are made from.
 
 Rows hold no wall time and do not depend on the order of flying.
 """

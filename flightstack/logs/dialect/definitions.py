@@ -13,6 +13,8 @@ from importlib.util import find_spec
 from typing import Any, NamedTuple
 from zlib import crc32
 
+from flightstack.files import write_whole
+
 NUMPY_FORMATS = {
     "b": "i1",
     "B": "u1",
@@ -145,12 +147,9 @@ def _keep(definitions: dict[int, Definition], stamp: list[Any]) -> None:
     path = cache_file()
     if not os.path.isabs(path):  # noqa: PTH117
         return
-    part = f"{path}.{os.getpid()}"
     try:
         os.makedirs(os.path.dirname(path), exist_ok=True)  # noqa: PTH103, PTH120
-        with open(part, "w", encoding="utf-8") as file:  # noqa: PTH123
-            file.write(_head(stamp, lines) + lines)
-        os.replace(part, path)  # noqa: PTH105
+        write_whole(path, _head(stamp, lines) + lines)
     except OSError:
         return  # it is only slower without
 

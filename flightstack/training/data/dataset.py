@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.errors import UsageError
+from flightstack.files import write_whole
 
 MANIFEST = "manifest.json"
 MOST = {  # that a label can be, either way: beyond it the data are not what they claim
@@ -101,9 +102,7 @@ def write_shard(
         hashes[f"{kind}_sha256"] = hashlib.sha256(np.ascontiguousarray(array).data).hexdigest()
     sidecar = {"name": name, "split": split, "count": len(images), **hashes}
     sidecar["settings_sha256"] = settings_sha256
-    partial = folder / f"{name}.json.partial"
-    partial.write_text(json.dumps(sidecar))
-    partial.rename(folder / f"{name}.json")
+    write_whole(folder / f"{name}.json", json.dumps(sidecar))
 
 
 def is_finished(folder: Path, name: str) -> bool:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from mavsdk import ComponentType, Configuration, Mavsdk, System
 from mavsdk.plugins.telemetry import Telemetry
 
-from scripts.fly_course import API_PORT, free_instance
+from flightstack.launch.instances import API_PORT, free_instance
 from tests.flight.processes import process
 
 SPEED_FACTOR = 5.0  # MAVSDK streams setpoints at 20 Hz of wall time: 4 Hz for the vehicle

@@ -13,7 +13,7 @@ import pytest
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import common as mavlink
 
-from scripts.fly_course import API_PORT, free_instance
+from flightstack.launch.instances import API_PORT, free_instance
 from tests.flight.processes import process
 
 pytestmark = pytest.mark.flight

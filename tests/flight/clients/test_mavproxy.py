@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from scripts.fly_course import API_PORT, free_instance
+from flightstack.launch.instances import API_PORT, free_instance
 from tests.flight.processes import ENVIRONMENT, process
 
 pytestmark = pytest.mark.flight

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from scripts.fly_course import free_instance
+from flightstack.launch.instances import free_instance
 from tests.flight.clients.observer import Observer
 from tests.flight.processes import process
 

@@ -15,11 +15,11 @@ from flightstack.companion.console import Console
 from flightstack.companion.flight import FlightPlan, fly
 from flightstack.companion.mission.records import Outcome
 from flightstack.companion.summary import FlightSummary
+from flightstack.launch.instances import API_PORT, free_instance
 from flightstack.logs import read
 from flightstack.logs.flight.course import find_gates
 from flightstack.mavlink.endpoint import parse_endpoint
 from flightstack.records import Decision, Image
-from scripts.fly_course import API_PORT, free_instance
 from tests.wire.companion.companion_trial import ForwardPilot, read_tlog
 
 pytestmark = pytest.mark.flight

@@ -6,7 +6,7 @@ import pytest
 from pymavlink.dialects.v20 import common
 
 from flightstack.companion.mission.records import Outcome
-from scripts.fly_course import API_PORT, free_instance
+from flightstack.launch.instances import API_PORT, free_instance
 from tests.wire.companion.companion_trial import ForwardPilot, Trial, read_tlog
 from tests.wire.companion.test_companion_with_vehicle import Vehicle, positions
 from tests.wire.fake_vehicle import Script

@@ -14,8 +14,8 @@ from mavsdk import ComponentType, Configuration, Mavsdk
 from mavsdk.exceptions import MavsdkError
 from mavsdk.plugins.action import Action
 
+from flightstack.launch.instances import API_PORT, free_instance
 from flightstack.logs import Log, read
-from scripts.fly_course import API_PORT, free_instance
 from tests.flight.processes import ENVIRONMENT, process
 from tests.unit.flightstack.logs.made_logs import pymavlink_messages, same
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flightstack.launch.instances import free_instance
 from flightstack.logs import read_bytes
-from scripts.fly_course import free_instance
 from tests.flight.processes import pair, process
 
 pytestmark = pytest.mark.flight

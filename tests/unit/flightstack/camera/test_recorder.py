@@ -55,7 +55,7 @@ def test_a_slow_disk_costs_images_not_time(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setattr(recorder_module, "QUEUED_BYTES", 4 * image(0).rgb.nbytes)
     folder = tmp_path / "flight.frames"
     recorder = ImageRecorder(folder)
-    blocked = folder / "000000000000.part"
+    blocked = folder / f"000000000000.png.{os.getpid()}.part"
     os.mkfifo(blocked)  # writing waits until somebody reads
     for stamp_us in range(10):
         recorder.record(image(stamp_us))

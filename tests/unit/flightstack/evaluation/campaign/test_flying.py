@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-from flightstack.evaluation.campaign import crew
+from flightstack.evaluation.campaign import workers
 from flightstack.evaluation.campaign.flying import UnflownError, fly
 from flightstack.evaluation.campaign.folder import Folder
-from flightstack.evaluation.campaign.stopping import stopping_once
-from flightstack.evaluation.flights.flight import Flown, Landed
+from flightstack.evaluation.campaign.interruption import interrupted_once
+from flightstack.evaluation.flights.flight import CompletedFlight, FlownTrial
 from flightstack.evaluation.flights.trace import Trace
-from flightstack.evaluation.results import paper
 from flightstack.evaluation.results.markdown import footnotes
 from flightstack.evaluation.results.summary import summarise
+from flightstack.evaluation.trials import paper
 from flightstack.evaluation.trials.experiment import Experiment
 from tests.unit.flightstack.evaluation.made_rows import made_row
 
@@ -28,7 +28,7 @@ TRACE = Trace(
     uncertainty=np.full(2, 0.5),
     gates=np.zeros((8, 4)),
 )
-ASKED = Experiment(
+REQUEST_FILE = Experiment(
     name="table",
     rows=paper.rows("strong", ("m0-mean",)),
     conditions=(paper.level("1"),),
@@ -37,18 +37,18 @@ ASKED = Experiment(
 )
 
 
-def land(order: crew.Order, _scratch: str, _keep_log: bool) -> Flown:  # noqa: FBT001
+def land(order: workers.Assignment, _scratch: str, _keep_log: bool) -> FlownTrial:  # noqa: FBT001
     """Fly at once; the first track's flight dies of itself, once."""
     trial, _ = order
     deaths = ("killed",) if trial.track_seed == 1000 else ()
     row = replace(made_row(track=trial.track_seed), retries=len(deaths))
-    landed = Landed(row=row, trace=TRACE, log=None, simulated_s=40.0, flight_s=2.0)
-    return Flown(trial=trial, landed=landed, deaths=deaths, wall_s=2.5)
+    flight = CompletedFlight(row=row, trace=TRACE, log=None, simulated_s=40.0, flight_s=2.0)
+    return FlownTrial(trial=trial, flight=flight, deaths=deaths, wall_s=2.5)
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Folder:
-    return Folder(tmp_path / "out", ASKED, {})
+    return Folder(tmp_path / "out", REQUEST_FILE, {})
 
 
 def times(folder: Folder) -> list[tuple[str, str]]:
@@ -60,20 +60,20 @@ def workers_die(monkeypatch: pytest.MonkeyPatch, *, track: int, count: int) -> N
     """Kill the worker that flies this track so often."""
     left = [count]
 
-    def flown(order: crew.Order, scratch: str, keep_log: bool) -> Flown:  # noqa: FBT001
+    def flown(order: workers.Assignment, scratch: str, keep_log: bool) -> FlownTrial:  # noqa: FBT001
         if order[0].track_seed == track and left[0]:
             left[0] -= 1
             raise TerminatedWorkerError
         return land(order, scratch, keep_log)
 
-    monkeypatch.setattr(crew, "_fly_one", flown)
+    monkeypatch.setattr(workers, "_fly_one", flown)
 
 
 def test_a_workers_death_is_noted_and_counted(
     folder: Folder, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     workers_die(monkeypatch, track=1001, count=2)
-    rows = fly(ASKED, folder, jobs=1, keep_logs=False)
+    rows = fly(REQUEST_FILE, folder, jobs=1, keep_logs=False)
     assert [(row.track_seed, row.retries) for row in rows] == [(1000, 1), (1001, 2), (1002, 0)]
     assert times(folder) == [
         ("m0-mean-level1-1000-0", "killed"),
@@ -91,7 +91,7 @@ def test_a_trial_whose_worker_always_dies_is_named(
 ) -> None:
     workers_die(monkeypatch, track=1002, count=9)
     with pytest.raises(UnflownError, match="1 trials died in every attempt, such as m0-mean-lev"):
-        fly(ASKED, folder, jobs=1, keep_logs=False)
+        fly(REQUEST_FILE, folder, jobs=1, keep_logs=False)
     assert [row.track_seed for row in folder.rows] == [1000, 1001]
     assert times(folder)[2:] == [("m0-mean-level1-1002-0", "a worker process died")] * 3
 
@@ -102,7 +102,7 @@ def test_a_trial_whose_worker_always_dies_is_named(
 def test_only_the_first_signal_stops(number: int, raised: type[BaseException]) -> None:
     before = {each: signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)}
     try:
-        with pytest.raises(raised), stopping_once():
+        with pytest.raises(raised), interrupted_once():
             os.kill(os.getpid(), number)
         os.kill(os.getpid(), signal.SIGINT)  # while all is tidied up
         os.kill(os.getpid(), signal.SIGTERM)
@@ -113,6 +113,6 @@ def test_only_the_first_signal_stops(number: int, raised: type[BaseException]) -
 
 def test_signals_are_as_before_where_nothing_stopped() -> None:
     before = signal.getsignal(signal.SIGINT)
-    with stopping_once():
+    with interrupted_once():
         assert signal.getsignal(signal.SIGINT) != before
     assert signal.getsignal(signal.SIGINT) == before

@@ -6,9 +6,9 @@ import pytest
 
 from flightstack.errors import UsageError
 from flightstack.evaluation.campaign.folder import Folder, calibration_folder
-from flightstack.evaluation.flights.flight import Flown, Landed
+from flightstack.evaluation.flights.flight import CompletedFlight, FlownTrial
 from flightstack.evaluation.flights.trace import Trace
-from flightstack.evaluation.results import paper
+from flightstack.evaluation.trials import paper
 from flightstack.evaluation.trials.experiment import Experiment, Trial
 from flightstack.evaluation.trials.rows import header_line, read_rows, to_line
 from tests.unit.flightstack.evaluation.made_rows import made_row
@@ -32,23 +32,23 @@ def experiment(trials: int = 1) -> Experiment:
     )
 
 
-def landed(trial: Trial) -> Flown:
+def flown_trial(trial: Trial) -> FlownTrial:
     row = made_row(row=trial.row.name, track=trial.track_seed, trial=trial.trial)
-    flight = Landed(row=row, trace=TRACE, log=b"log", simulated_s=40.0, flight_s=2.0)
-    return Flown(trial=trial, landed=flight, deaths=("killed",), wall_s=2.5)
+    flight = CompletedFlight(row=row, trace=TRACE, log=b"log", simulated_s=40.0, flight_s=2.0)
+    return FlownTrial(trial=trial, flight=flight, deaths=("killed",), wall_s=2.5)
 
 
 def test_takes_up_where_it_was_left(tmp_path: Path) -> None:
     folder = Folder(tmp_path / "out", experiment(), MODELS)
     first, *rest = folder.missing
-    folder.keep(landed(first))
+    folder.keep(flown_trial(first))
     with (tmp_path / "out" / "trials.csv").open("a") as file:
         file.write(to_line(made_row(track=1001))[:30])  # the machine went down here
     again = Folder(tmp_path / "out", experiment(), MODELS)
     assert again.missing == rest
     with again.locked():
         for trial in reversed(rest):
-            again.keep(landed(trial))
+            again.keep(flown_trial(trial))
         again.tidy()
     assert again.missing == []
     rows = read_rows(tmp_path / "out" / "trials.csv")
@@ -62,7 +62,7 @@ def test_takes_up_where_it_was_left(tmp_path: Path) -> None:
 
 def test_keeps_traces_logs_and_times(tmp_path: Path) -> None:
     folder = Folder(tmp_path / "out", experiment(), MODELS)
-    flown = landed(folder.missing[0])
+    flown = flown_trial(folder.missing[0])
     folder.keep(flown)
     trace = Trace.load(tmp_path / "out" / "traces" / f"{flown.trial}.npz")
     assert np.array_equal(trace.position_ned, TRACE.position_ned)
@@ -75,7 +75,7 @@ def test_keeps_traces_logs_and_times(tmp_path: Path) -> None:
 def test_a_trial_that_only_died_stays_missing(tmp_path: Path) -> None:
     folder = Folder(tmp_path / "out", experiment(), MODELS)
     trial = folder.missing[0]
-    folder.keep(Flown(trial=trial, landed=None, deaths=("killed",) * 3, wall_s=1.0))
+    folder.keep(FlownTrial(trial=trial, flight=None, deaths=("killed",) * 3, wall_s=1.0))
     assert trial in folder.missing
     assert "killed; killed; killed" in (tmp_path / "out" / "times.csv").read_text()
 
@@ -91,7 +91,7 @@ def test_refuses_the_folder_of_another_experiment(
     tmp_path: Path, other: Experiment, models: dict[str, str], said: str
 ) -> None:
     folder = Folder(tmp_path, experiment(), MODELS)
-    folder.keep(landed(folder.missing[0]))
+    folder.keep(flown_trial(folder.missing[0]))
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}
     with pytest.raises(UsageError, match=said):
         Folder(tmp_path, other, models)
@@ -103,19 +103,6 @@ def test_refuses_the_folder_of_other_code(tmp_path: Path) -> None:
     Folder(tmp_path, experiment(), MODELS, {"mine:Good": "ab"})
     with pytest.raises(UsageError, match="holds another experiment \\(other code\\)"):
         Folder(tmp_path, experiment(), MODELS, {"mine:Good": "cd"})
-
-
-def test_takes_up_a_folder_that_was_made_before_code_was_asked(tmp_path: Path) -> None:
-    folder = Folder(tmp_path, experiment(), MODELS)
-    folder.keep(landed(folder.missing[0]))
-    asked = json.loads((tmp_path / "experiment.json").read_text())
-    del asked["code"]
-    (tmp_path / "experiment.json").write_text(json.dumps(asked))
-    again = Folder(tmp_path, experiment(), MODELS)
-    assert [row.key for row in again.rows] == [row.key for row in folder.rows]
-    assert again.missing == folder.missing
-    with pytest.raises(UsageError, match="other code"):
-        Folder(tmp_path, experiment(), MODELS, {"mine:Good": "ab"})
 
 
 def test_refuses_a_folder_of_other_things(tmp_path: Path) -> None:

@@ -1,10 +1,13 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from flightstack.evaluation.cli import COMMANDS, main
 from flightstack.evaluation.offline.predicting import PARTS
@@ -12,7 +15,13 @@ from flightstack.evaluation.offline.scenes import SPOILS
 from flightstack.records import VELOCITIES
 
 
-def test_help_waits_for_no_torch():
+def pixels(path: Path) -> NDArray[Any]:
+    picture = cv2.imread(str(path))
+    assert picture is not None
+    return picture
+
+
+def test_help_waits_for_no_torch() -> None:
     code = (
         "import sys; from flightstack.evaluation.cli import main\n"
         "try: main(['offline', '--help'])\n"
@@ -23,7 +32,9 @@ def test_help_waits_for_no_torch():
 
 
 @pytest.mark.parametrize("command", sorted(set(COMMANDS) - {"table"}))  # which takes a recipe
-def test_unknown_model_is_one_line_and_exit_code_4(command, tmp_path, capsys):
+def test_unknown_model_is_one_line_and_exit_code_4(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     options = ["--model", "strong/m9", "--out", str(tmp_path / "out")]
     yours = ["--strategy", "all/mode/same"] if command == "benchmark" else []
     assert main([command, *options, *yours]) == 4
@@ -33,14 +44,16 @@ def test_unknown_model_is_one_line_and_exit_code_4(command, tmp_path, capsys):
     assert not (tmp_path / "out").exists()
 
 
-def test_figures_draws_the_ambiguous_image(tmp_path):
+def test_figures_draws_the_ambiguous_image(tmp_path: Path) -> None:
     assert main(["figures", "--out", str(tmp_path)]) == 0
-    picture = cv2.imread(str(tmp_path / "ambiguity.png"))
+    picture = pixels(tmp_path / "ambiguity.png")
     assert picture.shape[1] > picture.shape[0] > 500
     assert picture.std() > 20.0
 
 
-def test_offline_writes_tables_json_and_pictures(tmp_path, capsys):
+def test_offline_writes_tables_json_and_pictures(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     sizes = ["--images", "40", "--scene-images", "12"]
     assert main(["offline", *sizes, "--out", str(tmp_path)]) == 0
     shown = capsys.readouterr().out
@@ -55,4 +68,4 @@ def test_offline_writes_tables_json_and_pictures(tmp_path, capsys):
     curve = judged["velocities"]["vx"]["calibration"]["covered"]
     assert (np.diff(curve) >= 0.0).all()
     for name in ("calibration.png", "auroc.png"):
-        assert cv2.imread(str(tmp_path / name)).std() > 10.0
+        assert pixels(tmp_path / name).std() > 10.0

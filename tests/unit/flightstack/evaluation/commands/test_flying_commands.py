@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from flightstack.evaluation.campaign import conducting
+from flightstack.evaluation import run
 from flightstack.evaluation.campaign.folder import ROWS, Folder
 from flightstack.evaluation.cli import main
 from flightstack.evaluation.trials.experiment import Experiment
@@ -42,7 +42,7 @@ def test_what_cannot_be_flown_is_one_line(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(conducting, "fly", lambda *_, **__: pytest.fail("it flew"))
+    monkeypatch.setattr(run, "fly", lambda *_, **__: pytest.fail("it flew"))
     out = tmp_path / "out"
     assert main([*arguments.split(), "--out", str(out)]) == code
     (line,) = capsys.readouterr().err.splitlines()
@@ -82,7 +82,7 @@ def flown_at_once(experiment: Experiment, folder: Folder, **_: object) -> list[T
 def test_an_edited_policy_does_not_get_its_old_figures(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(conducting, "fly", flown_at_once)
+    monkeypatch.setattr(run, "fly", flown_at_once)
     monkeypatch.syspath_prepend(tmp_path)
     mine = tmp_path / "edited_policy.py"
     code = "class Good:\n    def __init__(self, **_): pass\n    def predict(self, z): return 1\n"

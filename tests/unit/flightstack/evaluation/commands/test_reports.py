@@ -70,7 +70,7 @@ def test_an_option_that_contradicts_the_folder_is_refused(
 
 
 @pytest.mark.parametrize(
-    ("asked", "said"),
+    ("text", "said"),
     [
         ("", "experiment.json cannot be read"),
         ("[]", "experiment.json is damaged"),
@@ -79,10 +79,10 @@ def test_an_option_that_contradicts_the_folder_is_refused(
     ],
 )
 def test_a_folder_that_tells_no_experiment_is_refused(
-    asked: str, said: str, out: Path, capsys: pytest.CaptureFixture[str]
+    text: str, said: str, out: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shutil.copytree(RESULTS / "table-strong", out)
-    (out / "experiment.json").write_text(asked)
+    (out / "experiment.json").write_text(text)
     assert report("table", out) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert said in line

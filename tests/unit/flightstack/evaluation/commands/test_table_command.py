@@ -6,7 +6,7 @@ import pytest
 from flightstack.evaluation.campaign.flying import models_of
 from flightstack.evaluation.campaign.folder import Folder
 from flightstack.evaluation.cli import main
-from flightstack.evaluation.results import paper
+from flightstack.evaluation.trials import paper
 from flightstack.evaluation.trials.experiment import Experiment
 from flightstack.evaluation.trials.rows import TrialRow, header_line, to_line
 from flightstack.models import PACKAGE
@@ -74,8 +74,8 @@ def test_missing_weights_are_told(
 def test_what_stands_is_told_and_who_flew_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    asked = two_tracks()
-    Folder(tmp_path, asked, models_of(asked))
+    request = two_tracks()
+    Folder(tmp_path, request, models_of(request))
     fill(tmp_path, made_row(4), made_row(9, track=1001))
     assert main([*STRONG, "--levels=1", f"--out={tmp_path}"]) == 0
     said = capsys.readouterr().err

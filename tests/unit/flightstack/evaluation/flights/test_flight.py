@@ -1,15 +1,13 @@
 """What a flight's two processes leave behind tells deaths from errors that would come again."""
 
-from pathlib import Path
-
 import pytest
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.flights.flight import Launcher
+from flightstack.evaluation.flights.flight import TrialFlyer
 from flightstack.evaluation.flights.reading import Provenance
-from flightstack.evaluation.flights.warm import last_line
-from flightstack.evaluation.results import paper
-from flightstack.evaluation.trials.experiment import Row, Trial
+from flightstack.evaluation.trials import paper
+from flightstack.evaluation.trials.experiment import Competitor, Trial
+from flightstack.launch.order import Ended, Order
 
 TRACEBACK = """Traceback (most recent call last):
   File "mine.py", line 7, in predict
@@ -17,7 +15,7 @@ TRACEBACK = """Traceback (most recent call last):
 ValueError: no idea
 """
 TRIAL = Trial(
-    row=Row(name="mine.good", model="strong/m0", strategy="de-mean"),
+    row=Competitor(name="mine.good", model="strong/m0", strategy="de-mean"),
     condition=paper.level("1"),
     track_seed=1000,
     trial=0,
@@ -26,48 +24,40 @@ TRIAL = Trial(
 PROVENANCE = Provenance(experiment="benchmark", commit="", weights_sha256="")
 
 
-class Ended:
-    """A fork server whose flights end at once, the companion's with this exit code."""
-
-    is_alive = True
+class EndsAtOnce:
+    """A starter whose flights end at once, the companion's with this exit code."""
 
     def __init__(self, code: int) -> None:
         self.code = code
         self.flights = 0
 
-    def fly(self, order: dict[str, str]) -> dict[str, int | None]:
+    def prepare(self) -> None:
+        pass
+
+    def fly(self, order: Order) -> Ended:
         self.flights += 1
-        (Path(order["folder"]) / "companion.err").write_text(TRACEBACK)
-        (Path(order["folder"]) / "companion.out").write_text("")
-        return {"companion": self.code, "sitl": None}
+        (order.folder / "companion.err").write_text(TRACEBACK)
+        return Ended(vehicle=None, companion=self.code, folder=order.folder)
+
+    def close(self) -> None:
+        pass
 
 
-def fly_into(server: Ended, monkeypatch: pytest.MonkeyPatch) -> tuple[str, ...]:
-    launcher = Launcher()
-    monkeypatch.setattr(launcher, "_server", server)
-    return launcher.fly(TRIAL, PROVENANCE).deaths
+def deaths_by(starter: EndsAtOnce) -> tuple[str, ...]:
+    return TrialFlyer(starter).fly(TRIAL, PROVENANCE).deaths
 
 
-def test_an_exception_of_the_pilot_is_told_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    server = Ended(code=70)
+def test_an_exception_of_the_pilot_is_told_at_once() -> None:
+    starter = EndsAtOnce(code=1)
     with pytest.raises(UsageError) as refusal:
-        fly_into(server, monkeypatch)
+        deaths_by(starter)
     assert str(refusal.value) == (
-        "mine.good-level1-1000-0 cannot be flown: who flies it raised ValueError: no idea"
+        "mine.good-level1-1000-0 cannot be flown: the companion raised ValueError: no idea"
     )
-    assert server.flights == 1
+    assert starter.flights == 1
 
 
-def test_a_killed_pilot_flies_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    server = Ended(code=-9)
-    assert (
-        fly_into(server, monkeypatch) == ("the companion ended with -9: ValueError: no idea",) * 3
-    )
-    assert server.flights == 3
-
-
-def test_a_librarys_banner_is_no_cause() -> None:
-    banner = "pybullet build time: Nov 22 2026 10:00:00"
-    assert last_line(f"out of memory\n{banner}\n\n") == "out of memory"
-    assert last_line(f"{banner}\n") == "it said nothing"
-    assert last_line("") == "it said nothing"
+def test_a_killed_pilot_flies_again() -> None:
+    starter = EndsAtOnce(code=-9)
+    assert deaths_by(starter) == ("the companion ended with -9: ValueError: no idea",) * 3
+    assert starter.flights == 3

@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flightstack.evaluation.ablation.answer import Ablation, Against, Answer
+from flightstack.evaluation.ablation.answer import Ablation, Comparison, ConditionAnswer
 from flightstack.evaluation.ablation.design import FACTORS
-from flightstack.evaluation.pictures.ablation import draw_ablation
+from flightstack.evaluation.ablation.picture import draw_ablation
 from flightstack.evaluation.pictures.differences import draw_differences
 from flightstack.evaluation.pictures.ladder import draw_ladder
 from flightstack.evaluation.pictures.survival import draw_survival
-from flightstack.evaluation.results.statistics import Estimate
-from flightstack.evaluation.results.summary import Summary, summarise
+from flightstack.evaluation.results.statistics import MeanEstimate
+from flightstack.evaluation.results.summary import ExperimentSummary, summarise
 from tests.unit.flightstack.evaluation.made_rows import made_row
 
 pytest.importorskip("matplotlib")
@@ -24,7 +24,7 @@ LEVELS = {"level1": 0, "level2": -9}
 
 
 @pytest.fixture(scope="module")
-def summary() -> Summary:
+def summary() -> ExperimentSummary:
     rng = np.random.default_rng(1)
     return summarise(
         [
@@ -59,7 +59,7 @@ def whiskers(plot: Any) -> dict[float, tuple[float, float]]:
     return {float(y[0]): (float(x[0]), float(x[1])) for x, y in pairs if y[0] == y[1]}
 
 
-def assert_drawn(plot: Any, estimates: list[Estimate], factor: float = 1.0) -> None:
+def assert_drawn(plot: Any, estimates: list[MeanEstimate], factor: float = 1.0) -> None:
     for line, estimate in enumerate(estimates):
         assert estimate.low is not None
         assert estimate.high is not None
@@ -87,7 +87,7 @@ def line_names(plot: Any) -> list[str]:
     return [label.get_text() for label in plot.get_yticklabels()]
 
 
-def test_survival_curves_are_the_shares_and_their_bands(summary: Summary) -> None:
+def test_survival_curves_are_the_shares_and_their_bands(summary: ExperimentSummary) -> None:
     figure = draw_survival(summary)
     assert [plot.get_title(loc="left") for plot in figure.axes] == list(LEVELS)
     for plot in figure.axes:
@@ -113,7 +113,7 @@ def test_panels_without_a_condition_stay_empty() -> None:
     assert [plot.axison for plot in plots] == [True] * 4 + [False] * 2
 
 
-def test_differences_stand_in_order_with_their_intervals(summary: Summary) -> None:
+def test_differences_stand_in_order_with_their_intervals(summary: ExperimentSummary) -> None:
     gates, full, speed = draw_differences(summary).axes
     told = summary.differences
     assert line_names(gates) == [f"{d.row} - {d.minus}  ({d.condition})" for d in told]
@@ -124,7 +124,7 @@ def test_differences_stand_in_order_with_their_intervals(summary: Summary) -> No
     assert {is_filled for _, is_filled in dots(gates).values()} == {True, False}
 
 
-def test_a_ladder_has_every_row_on_every_rung(summary: Summary) -> None:
+def test_a_ladder_has_every_row_on_every_rung(summary: ExperimentSummary) -> None:
     figure = draw_ladder(summary)
     plot = figure.axes[0]
     assert line_names(plot) == list(LEVELS)
@@ -139,19 +139,19 @@ def test_a_ladder_has_every_row_on_every_rung(summary: Summary) -> None:
     assert [text.get_text() for text in figure.legends[0].get_texts()] == list(FLOWN)
 
 
-def made_estimate(mean: float, half: float) -> Estimate:
-    return Estimate(mean=mean, low=mean - half, high=mean + half, tracks=9, method="bca")
+def made_estimate(mean: float, half: float) -> MeanEstimate:
+    return MeanEstimate(mean=mean, low=mean - half, high=mean + half, tracks=9, method="bca")
 
 
 def test_an_ablation_shows_the_whole_its_parts_and_the_slow_down() -> None:
-    def against(minus: str, gates: Estimate) -> Against:
+    def against(minus: str, gates: MeanEstimate) -> Comparison:
         other = made_estimate(0, 1)
-        return Against(strategy="mi-mode", minus=minus, gates=gates, full=other, speed_m_s=other)
+        return Comparison(strategy="mi-mode", minus=minus, gates=gates, full=other, speed_m_s=other)
 
     parts = [made_estimate(0.5, 1), made_estimate(1, 0.5), made_estimate(3, 1)]
     shares = dict(zip(FACTORS, parts, strict=True))
     whole, alone, left = made_estimate(4.5, 1), made_estimate(3.5, 1), made_estimate(1.0, 2)
-    found = Answer(
+    found = ConditionAnswer(
         condition="level2",
         whole=against("de-mean", whole),
         shares={"gates_passed": shares, "is_full": shares},

@@ -4,12 +4,12 @@ import pytest
 
 from flightstack.errors import ModelError, UsageError
 from flightstack.evaluation.trials.competitors import (
-    make_brought_row,
-    make_rows,
+    make_competitors,
+    make_users_competitor,
     model_name,
     plain_name,
 )
-from flightstack.evaluation.trials.experiment import Row
+from flightstack.evaluation.trials.experiment import Competitor
 
 EXAMPLES = "docs/examples/cautious"
 
@@ -31,7 +31,7 @@ def examples(monkeypatch: pytest.MonkeyPatch) -> None:
 )
 def test_names_become_parts_of_a_rows_name(text: str, name: str) -> None:
     assert plain_name(text) == name
-    Row(name=f"strong.m0-{name}", model="strong/m0", strategy=text)  # it is one
+    Competitor(name=f"strong.m0-{name}", model="strong/m0", strategy=text)  # it is one
 
 
 def test_a_model_is_named_by_its_recipe_and_its_own_name() -> None:
@@ -40,25 +40,25 @@ def test_a_model_is_named_by_its_recipe_and_its_own_name() -> None:
 
 
 def test_models_are_paired_with_strategies_or_fly_their_own() -> None:
-    rows = make_rows(["strong/m0"], ["de-mean", "mi/mean/same"])
+    rows = make_competitors(["strong/m0"], ["de-mean", "mi/mean/same"])
     assert [row.name for row in rows] == ["strong.m0-de-mean", "strong.m0-mi.mean.same"]
-    (own,) = make_rows(["strong/m0"], [])
+    (own,) = make_competitors(["strong/m0"], [])
     assert own.strategy in own.name
 
 
 def test_what_a_user_brings_goes_to_the_companion() -> None:
-    row = make_brought_row("strong/m0", None, perception=None, policy="cautious:HumblePolicy")
+    row = make_users_competitor("strong/m0", None, perception=None, policy="cautious:HumblePolicy")
     assert row.name == "cautious.humblepolicy"
     assert row.companion_options == ("--policy=cautious:HumblePolicy",)
 
 
 def test_what_cannot_fly_is_refused_before_anything_flies() -> None:
     with pytest.raises(UsageError, match="unknown strategy 'nope'"):
-        make_rows(["strong/m0"], ["nope"])
+        make_competitors(["strong/m0"], ["nope"])
     with pytest.raises(ModelError, match="unknown model"):
-        make_rows(["nope/m9"], [])
+        make_competitors(["nope/m9"], [])
     with pytest.raises(UsageError, match="policy 'cautious:Nobody' does not load"):
-        make_brought_row("strong/m0", None, perception=None, policy="cautious:Nobody")
+        make_users_competitor("strong/m0", None, perception=None, policy="cautious:Nobody")
 
 
 def test_a_part_that_ends_python_is_refused(
@@ -67,4 +67,4 @@ def test_a_part_that_ends_python_is_refused(
     monkeypatch.syspath_prepend(tmp_path)
     (tmp_path / "leaves.py").write_text("def leave(**_):\n    raise SystemExit(3)\n")
     with pytest.raises(UsageError, match=r"leaves:leave does not load: .* SystemExit\(3\)"):
-        make_brought_row("strong/m0", None, perception=None, policy="leaves:leave")
+        make_users_competitor("strong/m0", None, perception=None, policy="leaves:leave")

@@ -3,16 +3,16 @@ from itertools import islice
 import pytest
 
 from flightstack.errors import UsageError
-from flightstack.evaluation.results import paper
-from flightstack.evaluation.trials.experiment import Condition, Experiment, Row, tracks
+from flightstack.evaluation.trials import paper
+from flightstack.evaluation.trials.experiment import Competitor, Condition, Experiment, tracks
 
 ROWS = paper.rows("paper")
 CONDITIONS = tuple(paper.level(text) for text in ("1", "2"))
 
 
 def experiment(**changes: object) -> Experiment:
-    asked = {"rows": ROWS, "conditions": CONDITIONS, "track_seeds": (5, 6), "trials": 2}
-    return Experiment(name="table", **(asked | changes))  # type: ignore[arg-type]
+    request = {"rows": ROWS, "conditions": CONDITIONS, "track_seeds": (5, 6), "trials": 2}
+    return Experiment(name="table", **(request | changes))  # type: ignore[arg-type]
 
 
 def test_every_row_meets_the_same_tracks_and_the_same_chance() -> None:
@@ -34,7 +34,7 @@ def test_a_first_part_of_the_plan_is_even_over_rows_and_conditions() -> None:
 
 
 def test_factors_of_row_and_condition_multiply() -> None:
-    slow = Row(name="slow", model="paper/m0", strategy="de-mean", command_factor=0.8)
+    slow = Competitor(name="slow", model="paper/m0", strategy="de-mean", command_factor=0.8)
     fast = Condition(name="fast", noise_m=(1.0, 2.0), command_factor=2.0)
     trial = next(experiment(rows=(slow,), conditions=(fast,)).plan())
     assert trial.command_factor == pytest.approx(1.6)
@@ -65,7 +65,7 @@ def test_refuses_tracks_outside_the_test_range(count: int, first: int) -> None:
 
 def test_names_are_fit_for_files() -> None:
     with pytest.raises(UsageError, match="a name is of"):
-        Row(name="M0/mean", model="paper/m0", strategy="de-mean")
+        Competitor(name="M0/mean", model="paper/m0", strategy="de-mean")
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flightstack.evaluation.ladder.rungs import load_rung
+from flightstack.evaluation.trials.rungs import load_rung
 from flightstack.training.data.data import describe
 from flightstack.training.data.flights import fly
 from flightstack.training.data.gate_views import ViewRenderer

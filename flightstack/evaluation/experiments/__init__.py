@@ -1,1 +1,0 @@
-"""Trials: what is asked for, flown in parallel into a folder that resumes."""

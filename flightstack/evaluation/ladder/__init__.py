@@ -1,1 +1,0 @@
-"""Named rungs beyond the paper's levels, and what each costs."""

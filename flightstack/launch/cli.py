@@ -1,0 +1,85 @@
+"""Fly one course and show it: what `scripts/fly` runs."""
+
+import argparse
+import json
+import signal
+import sys
+import tempfile
+from collections.abc import Sequence
+
+from flightstack.errors import FlightstackError, UsageError
+from flightstack.launch.instances import free_instance
+from flightstack.launch.ports import Ports
+from flightstack.launch.processes import Stream, programs, started
+from flightstack.launch.request import FlightRequest
+from flightstack.launch.result import FlightResult, noise_m
+
+PROGRAM = "scripts/fly"
+DID_NOT_FLY = "did not fly"
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Fly; the companion's exit code is the command's."""
+    options = _parse(argv)
+    request = FlightRequest(
+        laps=options.laps,
+        track_seed=options.track_seed,
+        noise=options.noise,
+        model=options.model,
+        strategy=options.strategy,
+        speed_factor=0.0 if options.fast else options.speed_factor,
+        vehicle_options=("-q",),
+        companion_options=("--json",) if options.json else (),
+    )
+    try:
+        with tempfile.TemporaryFile("w+") as output:
+            exit_code = _fly(request, output if options.json else None)
+            if options.json:
+                output.seek(0)
+                print(_result_line(output.read(), request, exit_code))
+            return exit_code
+    except FlightstackError as error:
+        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        return error.exit_code
+
+
+def _fly(request: FlightRequest, output: Stream) -> int:
+    """Fly with both processes' words on the terminal; signals are for the companion."""
+    with free_instance() as instance:
+        both = programs(request, Ports.of_instance(instance), companion=(output, None))
+        with started(*both) as pair:
+            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                signal.signal(number, pair.pass_on)
+            return pair.wait()
+
+
+def _result_line(output: str, request: FlightRequest, exit_code: int) -> str:
+    result = FlightResult.parse(output, request)
+    if result is not None:
+        return result.to_json()
+    noise = None if exit_code == UsageError.exit_code else noise_m(request)
+    return json.dumps({"outcome": DID_NOT_FLY, "track_seed": request.track_seed, "noise": noise})
+
+
+def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog=PROGRAM, description="Fly one course in simulation and say what happened."
+    )
+    add = parser.add_argument
+    add("--laps", type=int, default=1, help="laps of 8 gates (default 1)")
+    add("--track-seed", type=int, default=0, help="which track (default 0)")
+    add(
+        *("--noise",),
+        default="1.0,2.0",
+        metavar="GRN,GHN",
+        help="noise of the gates' radius and height in m (default 1.0,2.0)",
+    )
+    add("--model", help="which model flies (default: the companion's)")
+    add("--strategy", help="how it decides (default: the model's)")
+    speed = parser.add_mutually_exclusive_group()
+    speed.add_argument(
+        "--speed-factor", type=float, default=1.0, help="times real time (default 1)"
+    )
+    speed.add_argument("--fast", action="store_true", help="as fast as possible")
+    add("--json", action="store_true", help="last line of output: the result as one JSON object")
+    return parser.parse_args(argv)

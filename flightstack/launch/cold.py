@@ -1,0 +1,35 @@
+"""Start each flight's two processes anew, as a user does in two terminals."""
+
+import contextlib
+from typing import IO
+
+from flightstack.launch.order import COMPANION, VEHICLE, Ended, Order
+from flightstack.launch.processes import programs, started
+
+
+class ColdStarter:
+    """A `Starter` that keeps nothing."""
+
+    def prepare(self) -> None:
+        """Do nothing."""
+
+    def fly(self, order: Order) -> Ended:
+        """Fly until the companion has ended, or the vehicle has refused to start."""
+        with contextlib.ExitStack() as stack:
+
+            def into(name: str) -> IO[bytes]:
+                return stack.enter_context((order.folder / name).open("wb"))
+
+            both = programs(
+                order.request,
+                order.ports,
+                vehicle=(into(f"{VEHICLE}.out"), into(f"{VEHICLE}.err")),
+                companion=(into(f"{COMPANION}.out"), into(f"{COMPANION}.err")),
+            )
+            pair = stack.enter_context(started(*both))
+            pair.wait(order.limit_s)
+            codes = pair.vehicle.poll(), pair.companion.poll()
+        return Ended(vehicle=codes[0], companion=codes[1], folder=order.folder)
+
+    def close(self) -> None:
+        """Do nothing."""
