@@ -19,7 +19,7 @@ from flightstack.errors import UsageError
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Group:
-    """One kind of part that can be brought."""
+    """One kind of part that a user can bring."""
 
     entry_points: str
     kind: str  # in messages
@@ -36,7 +36,7 @@ def installed(group: Group) -> list[str]:
     return sorted(entry_points(group=group.entry_points).names)
 
 
-def is_brought(group: Group, name: str) -> bool:
+def is_extension(group: Group, name: str) -> bool:
     """Whether the name is one that `make` would look for outside flightstack."""
     return ("/" not in name and ":" in name) or name in installed(group)
 

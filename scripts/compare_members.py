@@ -21,8 +21,8 @@ from flightstack.records import VELOCITIES
 from flightstack.training.batches import Images
 from flightstack.training.data.dataset import Dataset, read_dataset
 from flightstack.training.perception.latents import LatentSource
-from flightstack.training.policy.policy import train_policy
 from flightstack.training.policy.predictions import predict
+from flightstack.training.policy.trainer import train_policy
 from flightstack.training.presets import PolicySettings, policy_settings
 
 KINDS = {  # bootstrapped data, Gaussians a member

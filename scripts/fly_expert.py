@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.frames import body_from_ned, ned_from_body
-from flightstack.training.data.expert import ExpertConfig, FunnelExpert
+from flightstack.training.data.funnel import ExpertConfig, FunnelExpert
 from flightstack.training.seeds import VALIDATION_TRACKS
 from sitl import (
     GATE_HEIGHT_M,

@@ -83,7 +83,7 @@ def _policy(model: Model, name: str | None, seed: int) -> Policy:
 
 
 def _strategy(model: Model, name: str, direction: str, seed: int) -> Strategy:
-    if name not in STRATEGIES and extensions.is_brought(extensions.STRATEGY, name):
+    if name not in STRATEGIES and extensions.is_extension(extensions.STRATEGY, name):
         brought: Strategy = extensions.make(
             extensions.STRATEGY, name, direction=direction, seed=seed
         )

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 GRID = 64  # points; a mode is located to about 1/10 of a bandwidth or better
 MARGIN = 2.0  # bandwidths that the grid reaches beyond the outermost samples
-LEAST_HEIGHT = 0.1  # of the highest mode; a lower bump is one stray sample, not an alternative
-LEAST_BANDWIDTH = 1e-9  # where all samples are equal
+MIN_HEIGHT = 0.1  # of the highest mode; a lower bump is one stray sample, not an alternative
+MIN_BANDWIDTH = 1e-9  # where all samples are equal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,12 +58,12 @@ def find_modes(values: NDArray[np.float64]) -> Modes:
     """Estimate the density of samples (M, 4) and find its modes."""
     samples = np.ascontiguousarray(values.T)  # (4, M): long rows add up fastest
     low, high = samples.min(axis=1), samples.max(axis=1)
-    bandwidth = np.maximum(samples.std(axis=1) * len(values) ** -0.2, LEAST_BANDWIDTH)
+    bandwidth = np.maximum(samples.std(axis=1) * len(values) ** -0.2, MIN_BANDWIDTH)
     low, high = low - MARGIN * bandwidth, high + MARGIN * bandwidth
     grid = low[:, np.newaxis] + (high - low)[:, np.newaxis] * _STEPS  # (4, G)
     density = _density(grid, samples, bandwidth)
     rises = density[:, 1:] > density[:, :-1]  # (4, G - 1)
-    floor = LEAST_HEIGHT * density.max(axis=1, keepdims=True)
+    floor = MIN_HEIGHT * density.max(axis=1, keepdims=True)
     is_mode = np.zeros(density.shape, dtype=np.bool_)
     is_mode[:, 1:-1] = rises[:, :-1] & ~rises[:, 1:] & (density[:, 1:-1] >= floor)
     return Modes(grid=grid, density=density, is_mode=is_mode)

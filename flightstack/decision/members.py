@@ -32,13 +32,13 @@ def all_members(samples: ActionSamples, aids: Aids) -> MemberChoice:  # noqa: AR
     return MemberChoice(member=everyone, score=gaussian_score(samples))
 
 
-def least_gaussian_score(samples: ActionSamples, aids: Aids) -> MemberChoice:  # noqa: ARG001
+def min_gaussian_score(samples: ActionSamples, aids: Aids) -> MemberChoice:  # noqa: ARG001
     """Follow the member of least MI score by the matched Gaussian, as the paper's author does."""
     score = gaussian_score(samples)
     return MemberChoice(member=score.argmin(axis=0), score=score)
 
 
-def least_quadrature_score(samples: ActionSamples, aids: Aids) -> MemberChoice:  # noqa: ARG001
+def min_quadrature_score(samples: ActionSamples, aids: Aids) -> MemberChoice:  # noqa: ARG001
     """Follow the member of least exact MI score."""
     score = quadrature_score(samples)
     return MemberChoice(member=score.argmin(axis=0), score=score)
@@ -57,8 +57,8 @@ def best_member(samples: ActionSamples, aids: Aids) -> MemberChoice:
 
 MEMBERS: dict[str, Callable[[ActionSamples, Aids], MemberChoice]] = {
     "all": all_members,
-    "mi": least_gaussian_score,
-    "mi-exact": least_quadrature_score,
+    "mi": min_gaussian_score,
+    "mi-exact": min_quadrature_score,
     "random": random_member,
     "best": best_member,
 }

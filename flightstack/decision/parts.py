@@ -17,7 +17,7 @@ from flightstack.records import ALL_MEMBERS, VELOCITIES, ActionSamples
 
 VX, VY, VZ, YAW_RATE = range(len(VELOCITIES))
 SLOW_FACTOR = 0.7  # of the rule "slow"; "slow:0.8" names another
-MOST_FACTOR = 2.0  # above 1 it hastens: so a control can fly as fast as whatever it controls
+MAX_FACTOR = 2.0  # above 1 it hastens: so a control can fly as fast as whatever it controls
 
 DIRECTIONS = ("cw", "ccw")  # of the course, seen from above
 

@@ -16,7 +16,7 @@ from flightstack.decision.members import MEMBERS, Aids
 from flightstack.decision.mixture import split_variance
 from flightstack.decision.parts import (
     DIRECTIONS,
-    MOST_FACTOR,
+    MAX_FACTOR,
     SIDES,
     SLOW_FACTOR,
     STATISTICS,
@@ -124,9 +124,9 @@ def _factor(rule: str, text: str, name: str) -> float:
         factor = float(text)
     except ValueError:
         factor = math.nan
-    if rule != "slow" or not 0.0 < factor <= MOST_FACTOR:
+    if rule != "slow" or not 0.0 < factor <= MAX_FACTOR:
         raise UsageError(
             f"strategy {name!r}: only 'slow' takes a factor, above 0 and at most "
-            f"{MOST_FACTOR:g}, as 'slow:0.8'"
+            f"{MAX_FACTOR:g}, as 'slow:0.8'"
         )
     return factor

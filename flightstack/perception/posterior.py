@@ -34,7 +34,7 @@ class McDropoutPosterior:
     """M passes of the head, each under its own dropout mask (eq. 1).
 
     Each pass draws the encoder's weights by its mask, and then z ~ N(mu_m, sigma_m^2). With
-    `within=False` it takes z = mu_m instead, so that only the encoder's own doubt remains.
+    `within=False` it takes z = mu_m instead, so that only the encoder's own uncertainty remains.
     """
 
     def __init__(

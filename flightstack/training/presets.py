@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 
 from flightstack.perception.cmvae import LossWeights
 from flightstack.policy.scales import VelocityRange
-from flightstack.training.settings import ADDED_LATER
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,7 +39,7 @@ class PolicySettings:
     hidden: tuple[int, int] = (256, 64)
     bootstrap: bool = False  # each member learns from its own draw, with replacement, of the data
     velocity_range: VelocityRange = field(default_factory=VelocityRange)
-    mixture: int = field(default=1, metadata={ADDED_LATER: True})  # Gaussians of each member
+    mixture: int = 1  # Gaussians of each member
 
 
 IMAGES = {  # of each dataset; `full` is the paper's

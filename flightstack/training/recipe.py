@@ -2,14 +2,13 @@
 
 import math
 import tomllib
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, dataclass, fields
 from importlib.resources import files
 from typing import Any, Self, TypeVar, get_args
 
 import numpy as np
 
 from flightstack.errors import UsageError
-from flightstack.training.settings import ADDED_LATER
 
 EXPERTS = ("funnel", "minimum-jerk")
 T = TypeVar("T")
@@ -59,7 +58,7 @@ class ViewRecipe:
     blur_std_px: tuple[float, float]
     noise_share: float
     noise_std: float  # of 255
-    fog: Fog = field(default=NO_FOG, metadata={ADDED_LATER: True})
+    fog: Fog = NO_FOG
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,7 +78,7 @@ class FlightRecipe:
     noise_time_constant_s: float
     lost_frames: int  # dropped before a collision or a miss
     held_out_radius_noise_m: tuple[float, float] = (0.0, 0.0)  # never drawn, from low to high
-    fog: Fog = field(default=NO_FOG, metadata={ADDED_LATER: True})
+    fog: Fog = NO_FOG
 
     def __post_init__(self) -> None:
         """Check what the type alone does not."""

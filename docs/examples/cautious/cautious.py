@@ -11,11 +11,11 @@ from flightstack.perception.posterior import make_posterior
 from flightstack.policy.ensemble import PolicyEnsemble
 from flightstack.records import ActionSamples, Decision
 
-DOUBT_THAT_HALVES = np.array([1.0, 0.6, 0.6, 0.4])  # m/s, m/s, m/s, rad/s
+HALVING_STD = np.array([1.0, 0.6, 0.6, 0.4])  # m/s, m/s, m/s, rad/s; at one of them half the speed
 
 
 class CautiousStrategy:
-    """Fly the mean, and slower the more all parts of the doubt add up to."""
+    """Fly the mean, and slower the more all parts of the uncertainty add up to."""
 
     def __init__(self, *, direction: str, seed: int) -> None:
         self._mean = make_strategy("de-mean", direction=direction, seed=seed)
@@ -23,11 +23,11 @@ class CautiousStrategy:
     def decide(self, samples: ActionSamples) -> Decision:
         """Decide one command from N x M Gaussians."""
         decision = self._mean.decide(samples)
-        doubt = np.sqrt(
+        total_std = np.sqrt(
             decision.aleatoric_std**2 + decision.epistemic_std**2 + decision.perceptual_std**2
         )
         command = decision.command.copy()
-        command[0] *= 1.0 / (1.0 + np.max(doubt / DOUBT_THAT_HALVES))
+        command[0] *= 1.0 / (1.0 + np.max(total_std / HALVING_STD))
         return replace(decision, command=command)
 
 

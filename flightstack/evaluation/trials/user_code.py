@@ -14,7 +14,7 @@ from pathlib import Path
 
 from flightstack.decision.strategies import STRATEGIES
 from flightstack.evaluation.trials.experiment import Competitor, Experiment
-from flightstack.extensions import PERCEPTION, POLICY, STRATEGY, Group, is_brought
+from flightstack.extensions import PERCEPTION, POLICY, STRATEGY, Group, is_extension
 
 OURS = "flightstack"
 BY_OPTION = {f"--{group.kind}": group for group in (PERCEPTION, POLICY)}
@@ -37,7 +37,7 @@ def _users_parts(row: Competitor) -> Iterator[tuple[Group, str]]:
         option, _, name = text.partition("=")
         if option in BY_OPTION:
             yield BY_OPTION[option], name
-    if row.strategy not in STRATEGIES and is_brought(STRATEGY, row.strategy):
+    if row.strategy not in STRATEGIES and is_extension(STRATEGY, row.strategy):
         yield STRATEGY, row.strategy
 
 

@@ -22,7 +22,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
     try:
         # Here, not above: --help and a mistyped option must not wait for torch.
-        from flightstack.training.commands.commands import run  # noqa: PLC0415
+        from flightstack.training.commands.steps import run  # noqa: PLC0415
 
         run(options)
     except FlightstackError as error:

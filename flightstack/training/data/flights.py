@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from flightstack.errors import UsageError
 from flightstack.frames import ned_from_body
-from flightstack.training.data.expert import Expert, FunnelExpert
+from flightstack.records import VELOCITIES
+from flightstack.training.data.funnel import Expert, FunnelExpert
 from flightstack.training.data.minimum_jerk import MinimumJerkExpert
 from flightstack.training.recipe import FlightRecipe
 from flightstack.training.seeds import TRAINING_TRACKS
@@ -31,8 +32,7 @@ from sitl import (
     yaw_of,
 )
 
-LABEL_NAMES = ("vx", "vy", "vz", "yaw_rate")
-MEASURED_EVERY = 10  # frames: half a second apart, so that few images tell of many tracks
+MEASURED_EVERY = 10  # images: half a second apart, so that few images tell of many tracks
 START_SPEED_M_S = (0.0, 2.0)  # of a flight that starts before a gate
 Pilot = Callable[[NDArray[np.uint8]], NDArray[np.float64]]
 
@@ -48,7 +48,7 @@ def fly(
     """Fly once; images (K, 64, 64, 3) and the expert's commands (K, 4) along the way.
 
     With a `pilot` the vehicle follows it instead, and the expert only labels (DAgger). Without one,
-    only `every` so many frames are rendered and kept; a pilot sees them all.
+    only every `every`-th image is rendered and kept; a pilot sees them all.
     """
     at_spawn = bool(rng.random() < recipe.start_at_spawn_share)
     simulation = Simulation(
@@ -123,7 +123,7 @@ def _record(
                 break
     if simulation.course.state is CourseState.FAILED:
         labels = labels[: -recipe.lost_frames]
-    seen = np.array(labels[::every], dtype=np.float32).reshape(-1, len(LABEL_NAMES))
+    seen = np.array(labels[::every], dtype=np.float32).reshape(-1, len(VELOCITIES))
     shape = (len(seen), 64, 64, 3)
     return np.array(images[: len(seen)], dtype=np.uint8).reshape(shape), seen
 
@@ -159,7 +159,7 @@ def _before(gate: Gate, rng: np.random.Generator, recipe: FlightRecipe) -> tuple
 
 
 class _Disturbance:
-    """An Ornstein-Uhlenbeck process over the four velocities, one step a frame."""
+    """An Ornstein-Uhlenbeck process over the four velocities, one step per image."""
 
     def __init__(self, rng: np.random.Generator, recipe: FlightRecipe) -> None:
         self._rng = rng
@@ -169,7 +169,7 @@ class _Disturbance:
         self._value = self._std * rng.standard_normal(4)
 
     def draw(self) -> NDArray[np.float64]:
-        """Advance by one frame."""
+        """Advance by one image."""
         kick = self._std * math.sqrt(1.0 - self._decay**2)
         self._value = self._decay * self._value + kick * self._rng.standard_normal(4)
         return self._value

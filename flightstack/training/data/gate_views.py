@@ -1,4 +1,4 @@
-"""Perception data: single images of gates with the pose of the nearest one.
+"""Perception data: single images of gates with the pose of the nearest one (`LABELS`).
 
 Every image has a look, an attitude and a height of its own. The labelled gate's direction is
 drawn over the field of view, and farther gates may stand behind it as distractors, as on a course.
@@ -24,7 +24,6 @@ from sitl import (
     wrap_pi,
 )
 
-LABEL_NAMES = ("range_m", "azimuth_rad", "elevation_rad", "gate_yaw_rad")
 PARKED_NED = (0.0, 0.0, 1000.0)  # where gates wait that are not in the image
 
 

@@ -21,15 +21,15 @@ from flightstack.frames import body_from_ned, wrap_pi
 from sitl import Gate, VehicleState, yaw_of
 
 REPLAN_DISTANCE_M = 0.5  # Bonatti et al. 2020
-MOST_SPEED_M_S = 5.0  # Bonatti et al. 2020
-MOST_ACCELERATION_M_S2 = 3.0  # Bonatti et al. 2020
+MAX_SPEED_M_S = 5.0  # Bonatti et al. 2020
+MAX_ACCELERATION_M_S2 = 3.0  # Bonatti et al. 2020
 MEAN_SPEED_M_S = 1.5  # of the lineage's commands
 ARRIVAL_SPEED_M_S = MEAN_SPEED_M_S
 TRACKING_GAIN_1_S = 1.0  # of the position error, onto the planned velocity
 LEAD_S = 0.25  # the vehicle's velocity follows its command this much later
 YAW_GAIN_1_S = 1.5
-MOST_YAW_RATE_RAD_S = 1.0  # the lineage's command range
-LEAST_DURATION_S, MOST_DURATION_S, DURATION_STEP_S = 0.4, 60.0, 0.1
+MAX_YAW_RATE_RAD_S = 1.0  # the lineage's command range
+MIN_DURATION_S, MAX_DURATION_S, DURATION_STEP_S = 0.4, 60.0, 0.1
 CHECKED_POINTS = np.linspace(0.0, 1.0, 41)
 
 
@@ -67,9 +67,9 @@ class MinimumJerkExpert:
         elapsed_s = (state.time_us - self._segment.start_us) / 1e6
         position = self._segment.at(elapsed_s)
         velocity = self._segment.at(elapsed_s + LEAD_S, derivative=1)
-        asked = velocity + TRACKING_GAIN_1_S * (position - np.array(state.position_ned))
+        wanted = velocity + TRACKING_GAIN_1_S * (position - np.array(state.position_ned))
         yaw_rad = yaw_of(state.q_ned_frd)
-        vx, vy, vz = body_from_ned((float(asked[0]), float(asked[1]), float(asked[2])), yaw_rad)
+        vx, vy, vz = body_from_ned((float(wanted[0]), float(wanted[1]), float(wanted[2])), yaw_rad)
         return np.array([vx, vy, vz, _yaw_rate(state, yaw_rad, target)])
 
 
@@ -78,8 +78,8 @@ def plan(state: VehicleState, gate: Gate) -> Segment:
     start, velocity = np.array(state.position_ned), np.array(state.velocity_ned)
     end = np.array(gate.centre_ned)
     axis = np.array([math.cos(gate.yaw_rad), math.sin(gate.yaw_rad), 0.0])
-    least_s = max(LEAST_DURATION_S, float(np.linalg.norm(end - start)) / MEAN_SPEED_M_S)
-    for duration_s in np.arange(least_s, MOST_DURATION_S, DURATION_STEP_S):
+    min_s = max(MIN_DURATION_S, float(np.linalg.norm(end - start)) / MEAN_SPEED_M_S)
+    for duration_s in np.arange(min_s, MAX_DURATION_S, DURATION_STEP_S):
         coefficients = _quintic(start, velocity, end, ARRIVAL_SPEED_M_S * axis, float(duration_s))
         segment = Segment(
             start_us=state.time_us, duration_s=float(duration_s), coefficients=coefficients
@@ -117,11 +117,11 @@ def _within_limits(segment: Segment) -> bool:
     times = CHECKED_POINTS * segment.duration_s
     speeds = [np.linalg.norm(segment.at(float(t), derivative=1)) for t in times]
     accelerations = [np.linalg.norm(segment.at(float(t), derivative=2)) for t in times]
-    return bool(max(speeds) <= MOST_SPEED_M_S and max(accelerations) <= MOST_ACCELERATION_M_S2)
+    return bool(max(speeds) <= MAX_SPEED_M_S and max(accelerations) <= MAX_ACCELERATION_M_S2)
 
 
 def _yaw_rate(state: VehicleState, yaw_rad: float, gate: Gate) -> float:
     north = gate.centre_ned[0] - state.position_ned[0]
     east = gate.centre_ned[1] - state.position_ned[1]
     error = wrap_pi(math.atan2(east, north) - yaw_rad)
-    return max(-MOST_YAW_RATE_RAD_S, min(MOST_YAW_RATE_RAD_S, YAW_GAIN_1_S * error))
+    return max(-MAX_YAW_RATE_RAD_S, min(MAX_YAW_RATE_RAD_S, YAW_GAIN_1_S * error))

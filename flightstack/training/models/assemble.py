@@ -8,15 +8,15 @@ from typing import Any
 from safetensors.torch import save_file
 
 from flightstack import __version__
+from flightstack.files import write_whole
 from flightstack.models import CONFIG_FILE, WEIGHTS_FILE, ModelConfig, file_sha256
 from flightstack.perception.config import PerceptionConfig
 from flightstack.policy.config import PolicyConfig
 from flightstack.policy.scales import VelocityRange
-from flightstack.records import VELOCITIES
 from flightstack.tables import table_text
 from flightstack.training.models.card import model_card
 from flightstack.training.models.catalogue import ModelPlan
-from flightstack.training.models.runs import FinishedRun
+from flightstack.training.runs import FinishedRun
 
 CARD_FILE, METRICS_FILE = "README.md", "metrics.json"
 
@@ -51,10 +51,16 @@ def write_model(
         ),
         policy=policy_config(policy.summary),
     )
-    metrics = _metrics(perception, policy, preset)
-    (folder / CONFIG_FILE).write_text(table_text(config))
-    (folder / METRICS_FILE).write_text(json.dumps(metrics, indent=2) + "\n")
-    (folder / CARD_FILE).write_text(model_card(config, plan, metrics))
+    describe_model(folder, config, plan, _metrics(perception, policy, preset))
+
+
+def describe_model(
+    folder: Path, config: ModelConfig, plan: ModelPlan, metrics: dict[str, Any]
+) -> None:
+    """Write what stands beside a model's weights: configuration, metrics and card."""
+    write_whole(folder / CONFIG_FILE, table_text(config))
+    write_whole(folder / METRICS_FILE, json.dumps(metrics, indent=2) + "\n")
+    write_whole(folder / CARD_FILE, model_card(config, plan, metrics))
 
 
 def policy_config(summary: dict[str, Any]) -> PolicyConfig:
@@ -64,10 +70,10 @@ def policy_config(summary: dict[str, Any]) -> PolicyConfig:
         members=summary["members"],
         probabilistic=summary["probabilistic"],
         hidden=tuple(summary["hidden"]),
-        mixture=summary.get("mixture", 1),
+        mixture=summary["mixture"],
         velocity_range=VelocityRange(low=tuple(limits["low"]), high=tuple(limits["high"])),
-        variance_factor=tuple(summary["metrics"].get("variance_factor", (1.0,) * len(VELOCITIES))),
-        best_member=tuple(summary["metrics"].get("best_member", ())),
+        variance_factor=tuple(summary["metrics"]["variance_factor"]),
+        best_member=tuple(summary["metrics"]["best_member"]),
     )
 
 

@@ -8,7 +8,7 @@ from flightstack.models import ModelConfig
 from flightstack.perception.labels import LABELS
 from flightstack.records import VELOCITIES
 from flightstack.training.models.catalogue import ModelPlan
-from flightstack.training.perception.perception_metrics import BAND_M
+from flightstack.training.perception.metrics import BAND_M
 from flightstack.training.policy.calibration import GOOD_COVERAGE
 
 ENCODERS = {
@@ -47,7 +47,7 @@ Navigation*.
     python -m flightstack.companion --model {config.recipe}/{config.name}
 
 Made for passing gates in the simulator that comes with it. It has never flown a real vehicle, sees
-gates of one shape and size only, and its predicted doubt is calibrated on its own recipe's
+gates of one shape and size only, and its predicted uncertainty is calibrated on its own recipe's
 validation data, not on other scenes.
 
 ## Training

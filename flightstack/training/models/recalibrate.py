@@ -16,15 +16,14 @@ from flightstack import models
 from flightstack.models import Model
 from flightstack.perception.posterior import make_posterior
 from flightstack.policy.ensemble import PolicyEnsemble
-from flightstack.tables import table_text
 from flightstack.training.data.dataset import Dataset
 from flightstack.training.data.flights import fly_until
-from flightstack.training.models.assemble import CARD_FILE, METRICS_FILE
-from flightstack.training.models.card import model_card
+from flightstack.training.models.assemble import METRICS_FILE, describe_model
 from flightstack.training.models.catalogue import read_catalogue
-from flightstack.training.perception.perception import Report
-from flightstack.training.policy.policy_metrics import PolicyMetrics, measure_policy
+from flightstack.training.policy.metrics import PolicyMetrics, measure_policy
+from flightstack.training.policy.predictions import components
 from flightstack.training.recipe import Recipe
+from flightstack.training.runs import Report
 from flightstack.training.seeds import VALIDATION_TRACKS
 
 VALIDATION_FLIGHTS = 5  # enters the seed, where data and evaluation have 1 to 4
@@ -66,9 +65,7 @@ def recalibrate(name: str, validation: Labelled, *, seed: int, report: Report = 
     config = replace(config, policy=policy)
     metrics: dict[str, Any] = json.loads((folder / METRICS_FILE).read_text())
     metrics["policy"] = measured.as_dict()
-    (folder / models.CONFIG_FILE).write_text(table_text(config))
-    (folder / METRICS_FILE).write_text(json.dumps(metrics, indent=2) + "\n")
-    (folder / CARD_FILE).write_text(model_card(config, read_catalogue()[config.name], metrics))
+    describe_model(folder, config, read_catalogue()[config.name], metrics)
     report(f"{folder.name}: {measured.line()}")
     return folder
 
@@ -80,15 +77,9 @@ def measure(model: Model, validation: Labelled, *, seed: int) -> PolicyMetrics:
     ensemble = PolicyEnsemble(model.policies, config.policy.velocity_range)
     said = [ensemble.predict(posterior.sample(rgb)) for rgb in validation.images]
     return measure_policy(
-        _components([one.mean for one in said]),
-        _components([one.var for one in said]),
+        components([one.mean for one in said], axis=2),
+        components([one.var for one in said], axis=2),
         validation.commands,
         members=config.policy.members,
         constant=validation.commands.mean(axis=0),
     )
-
-
-def _components(parts: list[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Join K arrays (N, M, 4) to (N M, K, 4), member by member."""
-    joined = np.stack(parts, axis=2)  # (N, M, K, 4)
-    return joined.reshape(-1, *joined.shape[2:])

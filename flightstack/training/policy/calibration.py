@@ -19,7 +19,7 @@ from flightstack.records import VELOCITIES
 
 INTERVAL = 0.90  # central
 GOOD_COVERAGE = (0.88, 0.92)  # of it; left alone
-MOST_LOG_FACTOR = np.log(1000.0)
+MAX_LOG_FACTOR = np.log(1000.0)
 
 
 def coverage(
@@ -51,8 +51,8 @@ def _fit(mean: NDArray[np.float64], var: NDArray[np.float64], target: NDArray[np
     def excess(log_factor: float) -> float:
         return float(coverage(mean, var * np.exp(log_factor), target)) - INTERVAL
 
-    if excess(-MOST_LOG_FACTOR) > 0.0:  # the means alone spread too far
-        return float(np.exp(-MOST_LOG_FACTOR))
-    if excess(MOST_LOG_FACTOR) < 0.0:
-        return float(np.exp(MOST_LOG_FACTOR))
-    return float(np.exp(brentq(excess, -MOST_LOG_FACTOR, MOST_LOG_FACTOR, xtol=0.005)))
+    if excess(-MAX_LOG_FACTOR) > 0.0:  # the means alone spread too far
+        return float(np.exp(-MAX_LOG_FACTOR))
+    if excess(MAX_LOG_FACTOR) < 0.0:
+        return float(np.exp(MAX_LOG_FACTOR))
+    return float(np.exp(brentq(excess, -MAX_LOG_FACTOR, MAX_LOG_FACTOR, xtol=0.005)))

@@ -31,11 +31,13 @@ def predict(
             mean, logvar = stack(latents.draw(generator)[rows], quantile)
             means.append(mean.cpu().numpy())
             variances.append(np.exp(logvar.cpu().numpy()))
-    mean = _components(means) * velocity_range.scale + velocity_range.offset
-    return mean, _components(variances) * velocity_range.scale**2
+    mean = components(means, axis=1) * velocity_range.scale + velocity_range.offset
+    return mean, components(variances, axis=1) * velocity_range.scale**2
 
 
-def _components(parts: list[NDArray[np.float32]]) -> NDArray[np.float64]:
-    """Join M arrays (N, K, 4) to (N M, K, 4), member by member."""
-    joined = np.stack(parts, axis=1).astype(np.float64)
+def components(
+    parts: list[NDArray[np.float32]] | list[NDArray[np.float64]], *, axis: int
+) -> NDArray[np.float64]:
+    """Join M arrays (N, K, 4) in axis 1, or K of (N, M, 4) in axis 2, to (N M, K, 4)."""
+    joined = np.stack(parts, axis=axis).astype(np.float64)  # (N, M, K, 4)
     return joined.reshape(-1, *joined.shape[2:])

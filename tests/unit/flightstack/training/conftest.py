@@ -11,7 +11,7 @@ from flightstack.perception.dronet import Dronet
 from flightstack.perception.labels import LABELS
 from flightstack.records import VELOCITIES
 from flightstack.training.data.dataset import Dataset, ShardedImages
-from flightstack.training.perception.perception import PerceptionRun, train_perception
+from flightstack.training.perception.trainer import PerceptionRun, train_perception
 from flightstack.training.presets import PerceptionSettings
 
 

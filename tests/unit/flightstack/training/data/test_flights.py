@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from flightstack.errors import UsageError
-from flightstack.training.data import data, dataset
+from flightstack.training.data import dataset, generation
 from flightstack.training.data.flights import draw_radius_noise_m, fly, fly_until
 from flightstack.training.data.piloting import Piloting
 from flightstack.training.recipe import Recipe
@@ -102,10 +102,10 @@ def test_a_round_of_dagger_is_data_of_its_own(tmp_path):
     recipe = replace(Recipe.load("strong"), flights=SHORT)
     piloting = Piloting.by("strong/m0", 1.0)
     sizes = {"images": 20, "seed": 2, "jobs": 1, "report": lambda _: None}
-    flown = data.generate_control(tmp_path / "dagger", recipe, piloting=piloting, **sizes)
-    data.generate_control(tmp_path / "expert", recipe, **sizes)
+    flown = generation.generate_control(tmp_path / "dagger", recipe, piloting=piloting, **sizes)
+    generation.generate_control(tmp_path / "expert", recipe, **sizes)
     opened = dataset.read_dataset(flown)
     assert opened.manifest["pilot"]["model"] == "strong/m0"
     assert opened.sha256 != dataset.read_dataset(tmp_path / "expert").sha256
     with pytest.raises(UsageError, match="made with another model, share, weights_sha256"):
-        data.generate_control(tmp_path / "expert", recipe, piloting=piloting, **sizes)
+        generation.generate_control(tmp_path / "expert", recipe, piloting=piloting, **sizes)

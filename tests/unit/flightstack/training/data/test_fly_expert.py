@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from flightstack.training.data.expert import ExpertConfig, FunnelExpert
+from flightstack.training.data.funnel import ExpertConfig, FunnelExpert
 from scripts.fly_expert import BlindExpert, fly
 from sitl import (
     Conditions,

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from flightstack.evaluation.trials.rungs import load_rung
-from flightstack.training.data.data import describe
 from flightstack.training.data.flights import fly
 from flightstack.training.data.gate_views import ViewRenderer
+from flightstack.training.data.generation import describe
 from flightstack.training.recipe import NO_FOG, Fog, Recipe
 
 THICK = Fog(share=1.0, visibility_m=(6.0, 6.0))
@@ -67,6 +67,6 @@ def test_strong_has_fog_thinner_than_the_ladders_and_paper_has_none():
     assert paper.views.fog == paper.flights.fog == NO_FOG
 
 
-def test_data_made_before_there_was_fog_are_still_known_as_the_papers():
-    assert "fog" not in describe("perception", Recipe.load("paper"), 0)["settings"]
+def test_fog_is_among_what_data_depend_on():
+    assert describe("perception", Recipe.load("paper"), 0)["settings"]["fog"]["share"] == 0.0
     assert describe("control", Recipe.load("strong"), 0)["settings"]["fog"]["share"] == 0.25

@@ -3,8 +3,8 @@ import pytest
 
 from flightstack.training.data.minimum_jerk import (
     ARRIVAL_SPEED_M_S,
-    MOST_ACCELERATION_M_S2,
-    MOST_SPEED_M_S,
+    MAX_ACCELERATION_M_S2,
+    MAX_SPEED_M_S,
     MinimumJerkExpert,
     plan,
 )
@@ -37,8 +37,8 @@ def test_a_segment_joins_the_state_to_the_gate_along_its_axis():
 def test_limits_hold_on_the_way():
     segment = plan(at((0.0, -3.0, -3.0)), GATE)
     times = np.linspace(0.0, segment.duration_s, 500)
-    assert max(np.linalg.norm(segment.at(t, 1)) for t in times) <= MOST_SPEED_M_S
-    assert max(np.linalg.norm(segment.at(t, 2)) for t in times) <= MOST_ACCELERATION_M_S2 + 0.01
+    assert max(np.linalg.norm(segment.at(t, 1)) for t in times) <= MAX_SPEED_M_S
+    assert max(np.linalg.norm(segment.at(t, 2)) for t in times) <= MAX_ACCELERATION_M_S2 + 0.01
 
 
 def test_near_a_gate_it_turns_to_the_following_one():

@@ -12,18 +12,18 @@ from flightstack.companion.pipeline import load_pipeline
 from flightstack.errors import UsageError
 from flightstack.perception.dronet import Dronet
 from flightstack.records import Image
-from flightstack.training.commands import everything
-from flightstack.training.data.data import generate_control
+from flightstack.training.commands import all_models
 from flightstack.training.data.dataset import Dataset, read_dataset
+from flightstack.training.data.generation import generate_control
 from flightstack.training.models.assemble import write_model
 from flightstack.training.models.catalogue import read_catalogue
 from flightstack.training.models.recalibrate import Labelled, measure, recalibrate
-from flightstack.training.models.runs import read_run
-from flightstack.training.perception.perception import PerceptionRun
-from flightstack.training.policy.policy import train_policy
-from flightstack.training.policy.policy_metrics import PolicyMetrics
+from flightstack.training.perception.trainer import PerceptionRun
+from flightstack.training.policy.metrics import PolicyMetrics
+from flightstack.training.policy.trainer import train_policy
 from flightstack.training.presets import PolicySettings
 from flightstack.training.recipe import Dagger, Recipe
+from flightstack.training.runs import read_run
 
 
 @pytest.fixture(scope="module")
@@ -117,8 +117,8 @@ def test_a_model_is_measured_as_it_flies(folder: Path, control_data: Dataset) ->
 
 
 @pytest.fixture
-def plan(tmp_path: Path) -> everything.Plan:
-    return everything.Plan(
+def plan(tmp_path: Path) -> all_models.Plan:
+    return all_models.Plan(
         recipe="strong",
         preset="quick",
         seed=0,
@@ -134,18 +134,18 @@ def plan(tmp_path: Path) -> everything.Plan:
 def test_policies_learn_from_a_first_models_flights_too(
     perception_run: PerceptionRun,
     policy_folder: Path,
-    plan: everything.Plan,
+    plan: all_models.Plan,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     learned_from = []
-    monkeypatch.setattr(everything, "_train_stack", lambda *given: learned_from.append(given[3]))
-    monkeypatch.setitem(everything.IMAGES["quick"], "control", 20)
+    monkeypatch.setattr(all_models, "_train_stack", lambda *given: learned_from.append(given[3]))
+    monkeypatch.setitem(all_models.IMAGES["quick"], "control", 20)
     shutil.copytree(perception_run.folder, plan.run_folder / "perception-mcd-0")
     shutil.copytree(policy_folder, plan.dagger_folder / "policy-mcd-ensemble-0")
     expert = plan.data / "strong" / "control"
     generate_control(expert, Recipe.load("strong"), images=20, seed=0, jobs=1, report=print)
-    everything.fly_dagger(plan, Dagger(images_share=0.5))
-    everything.train_stack(plan, "mcd", "ensemble")
+    all_models.fly_dagger(plan, Dagger(images_share=0.5))
+    all_models.train_stack(plan, "mcd", "ensemble")
 
     pilot = models.read_config(plan.dagger_folder / "m0" / models.CONFIG_FILE)
     alone, both = learned_from
@@ -157,12 +157,12 @@ def test_policies_learn_from_a_first_models_flights_too(
 
     shutil.move(plan.runs, plan.runs.with_name("moved"))  # wherever it lies, it is the same
     moved = dataclasses.replace(plan, runs=plan.runs.with_name("moved"))
-    everything.fly_dagger(moved, Dagger(images_share=0.5))
+    all_models.fly_dagger(moved, Dagger(images_share=0.5))
     assert moved.flights().sha256 == both.sha256
 
 
 def test_a_first_model_needs_its_encoder_whichever_models_are_asked_for(
-    plan: everything.Plan, monkeypatch: pytest.MonkeyPatch
+    plan: all_models.Plan, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class FlownError(Exception):
         """Far enough."""
@@ -171,19 +171,19 @@ def test_a_first_model_needs_its_encoder_whichever_models_are_asked_for(
         raise FlownError
 
     trained: list[str] = []
-    monkeypatch.setattr(everything, "PROCESSES", 1)
-    monkeypatch.setattr(everything, "make_data", lambda _: None)
-    monkeypatch.setattr(everything, "train_encoder", lambda _, encoder: trained.append(encoder))
-    monkeypatch.setattr(everything, "fly_dagger", fly)
+    monkeypatch.setattr(all_models, "PROCESSES", 1)
+    monkeypatch.setattr(all_models, "make_data", lambda _: None)
+    monkeypatch.setattr(all_models, "train_encoder", lambda _, encoder: trained.append(encoder))
+    monkeypatch.setattr(all_models, "fly_dagger", fly)
     with pytest.raises(FlownError):
-        everything.train_all(dataclasses.replace(plan, device="cpu", only=("m1",)))
+        all_models.train_all(dataclasses.replace(plan, device="cpu", only=("m1",)))
     assert trained == ["mcd", "plain"]
 
 
 def test_all_calibrates_every_model_that_it_writes(
     perception_run: PerceptionRun,
     policy_folder: Path,
-    plan: everything.Plan,
+    plan: all_models.Plan,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -191,9 +191,9 @@ def test_all_calibrates_every_model_that_it_writes(
     shutil.copytree(perception_run.folder, runs / "perception-mcd-0")
     shutil.copytree(policy_folder, runs / "policy-mcd-ensemble-0")
     for finished in ("make_data", "train_encoder", "fly_dagger", "train_stack"):
-        monkeypatch.setattr(everything, finished, lambda *_: None)
-    monkeypatch.setitem(everything.CALIBRATION_IMAGES, "quick", 20)
-    everything.train_all(plan)
+        monkeypatch.setattr(all_models, finished, lambda *_: None)
+    monkeypatch.setitem(all_models.CALIBRATION_IMAGES, "quick", 20)
+    all_models.train_all(plan)
     folder = tmp_path / "models" / "strong" / "m0"
     assert json.loads((folder / "metrics.json").read_text())["policy"]["images"] == 20
     assert models.load(str(folder)).config.policy.best_member

@@ -11,15 +11,15 @@ import torch
 from joblib import Parallel, delayed
 
 from flightstack.errors import UsageError
-from flightstack.training.data.data import describe, generate_control, generate_perception
-from flightstack.training.data.dataset import Dataset, join, read_dataset, refuse_other
+from flightstack.training.data.dataset import Dataset, join, read_dataset
+from flightstack.training.data.generation import describe, generate_control, generate_perception
+from flightstack.training.data.manifest import MANIFEST, refuse_other
 from flightstack.training.data.piloting import Piloting
 from flightstack.training.models.assemble import write_model
 from flightstack.training.models.catalogue import ModelPlan, read_catalogue
 from flightstack.training.models.recalibrate import Labelled, recalibrate
-from flightstack.training.models.runs import perception_folder, policy_folder, read_run
-from flightstack.training.perception.perception import train_perception
-from flightstack.training.policy.policy import train_policy
+from flightstack.training.perception.trainer import train_perception
+from flightstack.training.policy.trainer import train_policy
 from flightstack.training.presets import (
     CALIBRATION_IMAGES,
     IMAGES,
@@ -27,6 +27,7 @@ from flightstack.training.presets import (
     policy_settings,
 )
 from flightstack.training.recipe import Dagger, Recipe
+from flightstack.training.runs import perception_folder, policy_folder, read_run
 
 PILOT = "m0"  # who flies DAgger's flights
 DAGGER_SEEDS = 1 << 20  # its flights are other ones than the expert's
@@ -115,7 +116,7 @@ def make_data(plan: Plan) -> None:
     makers = {"perception": generate_perception, "control": generate_control}
     for kind, make in makers.items():
         folder, images = plan.data / plan.recipe / kind, IMAGES[plan.preset][kind]
-        if not (folder / "manifest.json").exists():
+        if not (folder / MANIFEST).exists():
             make(folder, recipe, images=images, seed=plan.data_seed)
         refuse_other(folder, describe(kind, recipe, plan.data_seed), {})
         if (count := read_dataset(folder).manifest["count"]) != images:

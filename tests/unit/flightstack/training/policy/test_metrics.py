@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from flightstack.training.policy.policy_metrics import measure_policy
+from flightstack.training.policy.metrics import measure_policy
 
 RNG = np.random.default_rng(0)
 

@@ -28,7 +28,9 @@ NEAREST_M = 0.05  # before the camera, that an arrow may reach
 Draw = Callable[[NDArray[np.uint8], NDArray[np.float32]], None]
 
 
-def look(folder: Path, out: Path, *, seed: int, report: Callable[[str], None] = print) -> None:
+def write_pictures(
+    folder: Path, out: Path, *, seed: int, report: Callable[[str], None] = print
+) -> None:
     """Write `sheet.png` and `histograms.png` of the dataset in `folder`.
 
     Raises UsageError when there is none, or when its labels are of a kind that cannot be drawn.
@@ -71,9 +73,9 @@ def draw_pose(picture: NDArray[np.uint8], label: NDArray[np.float32]) -> None:
 
 def draw_command(picture: NDArray[np.uint8], label: NDArray[np.float32]) -> None:
     """Draw a command (4,) into a picture (SIDE, SIDE, 3)."""
-    most = VelocityRange().high
+    limits = VelocityRange().high
     vx, vy, vz, yaw_rate = (
-        float(np.clip(v / m, -1.0, 1.0)) * SIDE / 2 for v, m in zip(label, most, strict=True)
+        float(np.clip(v / m, -1.0, 1.0)) * SIDE / 2 for v, m in zip(label, limits, strict=True)
     )
     middle, right, bottom = SIDE // 2, SIDE - 12, SIDE - 12
     tip = (round(middle + vy), round(middle - vx))

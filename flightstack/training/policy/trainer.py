@@ -1,6 +1,5 @@
 """Train a stack of policies by imitation, on samples of a frozen encoder's latents."""
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from safetensors.torch import save_file
 from torch import Tensor
 
 from flightstack.errors import UsageError
@@ -18,12 +16,11 @@ from flightstack.policy.network import PolicyStack, gaussian_nll, mixture_nll
 from flightstack.records import VELOCITIES
 from flightstack.training.checkpoint import Checkpoint, identity_of
 from flightstack.training.data.dataset import Dataset
-from flightstack.training.errors import TrainingError
 from flightstack.training.perception.latents import LatentSource
-from flightstack.training.perception.perception import Report
-from flightstack.training.policy.policy_metrics import PolicyMetrics, measure_policy
+from flightstack.training.policy.metrics import PolicyMetrics, measure_policy
 from flightstack.training.policy.predictions import predict
 from flightstack.training.presets import PolicySettings
+from flightstack.training.runs import Report, write_run
 
 REPORT_EVERY = 10  # epochs
 VALIDATION_SEED = 1 << 40  # far from any epoch's
@@ -39,7 +36,7 @@ class PolicyRun:
     metrics: PolicyMetrics
 
 
-class _Trainer:
+class PolicyTrainer:
     """The stack, the optimiser, the latents and the labels of one run."""
 
     def __init__(
@@ -159,24 +156,17 @@ def train_policy(
     constant; UsageError when the data or the folder do not fit.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    trainer = _Trainer(dataset, LatentSource(encoder, dataset.images, device), settings)
+    trainer = PolicyTrainer(dataset, LatentSource(encoder, dataset.images, device), settings)
     identity = {**identity_of(settings, data_sha256=dataset.sha256), "perception": perception}
-    checkpoint = Checkpoint(folder, identity=identity)
-    done = checkpoint.restore(model=trainer.stack, optimizer=trainer.optimizer)
-    for number in range(done, settings.epochs):
-        loss = trainer.epoch(number)
-        if not math.isfinite(loss):
-            raise TrainingError(
-                f"{folder.name}: the loss is {loss} in epoch {number + 1}: lower the learning rate"
-            )
-        checkpoint.save(epochs_done=number + 1, model=trainer.stack, optimizer=trainer.optimizer)
-        if (number + 1) % REPORT_EVERY == 0 and number + 1 < settings.epochs:
-            report(f"{folder.name} epoch {number + 1}/{settings.epochs}: loss {loss:.3f}")
+    checkpoint = Checkpoint(
+        folder, identity=identity, model=trainer.stack, optimizer=trainer.optimizer
+    )
+    for done, loss in checkpoint.train(trainer.epoch, range(checkpoint.restore(), settings.epochs)):
+        if done % REPORT_EVERY == 0 and done < settings.epochs:
+            report(f"{folder.name} epoch {done}/{settings.epochs}: loss {loss:.3f}")
     metrics = trainer.measure()
     report(f"{folder.name}: {metrics.line()}")
     stack = trainer.stack.cpu().eval()
-    save_file(stack.state_dict(), folder / "policy.safetensors")
-    summary = {**identity, "metrics": metrics.as_dict()}
-    (folder / "policy.json").write_text(json.dumps(summary, indent=2) + "\n")
+    write_run(folder, "policy", stack, {**identity, "metrics": metrics.as_dict()})
     metrics.require_healthy()
     return PolicyRun(folder=folder, stack=stack, config=trainer.config, metrics=metrics)

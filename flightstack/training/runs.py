@@ -1,18 +1,23 @@
-"""Where trainings leave their results, and how these are read again."""
+"""Where trainings leave their results: written and read again."""
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
 from safetensors import SafetensorError
-from safetensors.torch import load_file
-from torch import Tensor
+from safetensors.torch import load_file, save_file
+from torch import Tensor, nn
 
 from flightstack.errors import UsageError
+from flightstack.files import write_whole
 from flightstack.models import file_sha256
 from flightstack.perception.dronet import Dronet
 from flightstack.perception.labels import LabelScale
+
+Report = Callable[[str], None]
+Kind = Literal["perception", "policy"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,13 +55,20 @@ def policy_folder(runs: Path, encoder: str, policy: str, seed: int) -> Path:
     return runs / f"policy-{encoder}-{policy}-{seed}"
 
 
+def write_run(folder: Path, kind: Kind, network: nn.Module, summary: dict[str, Any]) -> None:
+    """Leave a finished training's weights, and last what led to them."""
+    weights = {key: value.contiguous().cpu() for key, value in network.state_dict().items()}
+    save_file(weights, folder / f"{kind}.safetensors")
+    write_whole(folder / f"{kind}.json", json.dumps(summary, indent=2) + "\n")
+
+
 def read_run(folder: Path) -> FinishedRun:
     """Open a finished run of either kind.
 
     Raises UsageError when the folder holds none.
     """
-    for name in ("perception", "policy"):
-        summary, weights = folder / f"{name}.json", folder / f"{name}.safetensors"
+    for kind in get_args(Kind):
+        summary, weights = folder / f"{kind}.json", folder / f"{kind}.safetensors"
         if summary.is_file() and weights.is_file():
             return _read(folder, summary, weights)
     raise UsageError(f"{folder}: no finished training here; run it again to finish it")

@@ -7,17 +7,17 @@ import torch
 
 from flightstack import models
 from flightstack.errors import UsageError
-from flightstack.training.commands.everything import Plan, train_all
-from flightstack.training.data.data import generate_control, generate_perception
+from flightstack.training.commands.all_models import Plan, train_all
 from flightstack.training.data.dataset import join, read_dataset
-from flightstack.training.data.look import look
+from flightstack.training.data.generation import generate_control, generate_perception
+from flightstack.training.data.pictures import write_pictures
 from flightstack.training.data.piloting import Piloting
 from flightstack.training.models.recalibrate import Labelled, recalibrate
-from flightstack.training.models.runs import read_run
-from flightstack.training.perception.perception import train_perception
-from flightstack.training.policy.policy import train_policy
+from flightstack.training.perception.trainer import train_perception
+from flightstack.training.policy.trainer import train_policy
 from flightstack.training.presets import perception_settings, policy_settings
 from flightstack.training.recipe import Recipe
+from flightstack.training.runs import read_run
 
 THREADS = 1  # one compute thread a process: two processes beat two threads
 
@@ -55,7 +55,7 @@ def _all(options: argparse.Namespace) -> None:
 
 def _data(options: argparse.Namespace) -> None:
     if options.kind == "look":
-        look(options.dataset, options.out or options.dataset / "look", seed=options.seed)
+        write_pictures(options.dataset, options.out or options.dataset / "look", seed=options.seed)
         return
     recipe = Recipe.load(options.recipe)
     folder = options.out or options.data / options.recipe / options.kind

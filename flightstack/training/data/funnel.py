@@ -34,12 +34,12 @@ class ExpertConfig:
     centring_speed_m_s: float = 1.6  # over `look_ahead` gives the gain onto the axis
     look_ahead_m: float = 1.8  # at least
     look_ahead_share: float = 0.7  # of the distance to the gate
-    most_lateral_m_s: float = 1.6
-    most_vertical_m_s: float = 1.2
+    max_lateral_m_s: float = 1.6
+    max_vertical_m_s: float = 1.2
     back_off_share: float = 0.25  # of the speed, backwards, when far outside the funnel
     turn_distance_m: float = 2.0  # from here on the nose turns to the following gate
     yaw_gain_1_s: float = 1.5
-    most_yaw_rate_rad_s: float = 1.0
+    max_yaw_rate_rad_s: float = 1.0
 
 
 class FunnelExpert:
@@ -65,8 +65,8 @@ def expert_command(
     reach = max(ahead, 0.0)
 
     gain = config.centring_speed_m_s / max(config.look_ahead_m, config.look_ahead_share * reach)
-    lateral = _clamp(gain * right, config.most_lateral_m_s)
-    vertical = _clamp(gain * down, config.most_vertical_m_s)
+    lateral = _clamp(gain * right, config.max_lateral_m_s)
+    vertical = _clamp(gain * down, config.max_vertical_m_s)
     funnel = 0.3 + 0.25 * reach + 0.12 * reach * reach
     aligned = 1.0 - (math.hypot(right, down) / funnel) ** 2
     along = config.speed_m_s * max(aligned, -config.back_off_share)
@@ -95,12 +95,12 @@ def _yaw_rate(
         to_gate = gate.yaw_rad
     turn = wrap_pi(_bearing(position_ned, following) - to_gate)
     error = wrap_pi(to_gate + share * turn - yaw_rad)
-    return _clamp(config.yaw_gain_1_s * error, config.most_yaw_rate_rad_s)
+    return _clamp(config.yaw_gain_1_s * error, config.max_yaw_rate_rad_s)
 
 
 def _bearing(position_ned: Vector3, gate: Gate) -> float:
     return math.atan2(gate.centre_ned[1] - position_ned[1], gate.centre_ned[0] - position_ned[0])
 
 
-def _clamp(value: float, most: float) -> float:
-    return max(-most, min(most, value))
+def _clamp(value: float, limit: float) -> float:
+    return max(-limit, min(limit, value))

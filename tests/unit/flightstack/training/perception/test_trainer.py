@@ -9,10 +9,10 @@ import torch
 from flightstack.errors import UsageError
 from flightstack.training.data.dataset import Dataset
 from flightstack.training.errors import TrainingError
-from flightstack.training.models.runs import read_run
-from flightstack.training.perception.perception import PerceptionRun, train_perception
-from flightstack.training.perception.perception_metrics import PerceptionMetrics
+from flightstack.training.perception.metrics import PerceptionMetrics
+from flightstack.training.perception.trainer import PerceptionRun, train_perception
 from flightstack.training.presets import PerceptionSettings
+from flightstack.training.runs import read_run
 
 CPU = torch.device("cpu")
 SETTINGS = PerceptionSettings(epochs=3, batch=32, warmup_steps=10, learning_rate=2e-3)

@@ -6,7 +6,7 @@ any number of cores, and an interrupted run goes on where it stopped.
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,13 +15,15 @@ import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
-from flightstack.training.data import dataset, flights, gate_views
+from flightstack.perception.labels import LABELS
+from flightstack.records import VELOCITIES
 from flightstack.training.data.flights import fly
 from flightstack.training.data.gate_views import ViewRenderer
+from flightstack.training.data.manifest import refuse_other, settings_sha256, write_manifest
 from flightstack.training.data.piloting import Piloting
+from flightstack.training.data.shards import is_finished, write_shard
 from flightstack.training.recipe import Recipe
 from flightstack.training.seeds import TRAINING_TRACKS, VALIDATION_TRACKS
-from flightstack.training.settings import named_settings
 
 SPLITS = {"train": 1, "validation": 2}  # the numbers enter the seeds
 TRACKS = {"train": TRAINING_TRACKS, "validation": VALIDATION_TRACKS}
@@ -54,7 +56,7 @@ def describe(
     kind: str, recipe: Recipe, seed: int, piloting: Piloting | None = None
 ) -> dict[str, Any]:
     """Name all that a dataset's bytes depend on, but its size."""
-    settings = named_settings(recipe.views if kind == "perception" else recipe.flights)
+    settings = asdict(recipe.views if kind == "perception" else recipe.flights)
     about = {"kind": kind, "recipe": recipe.name, "seed": seed, "settings": settings}
     return about if piloting is None else {**about, "pilot": piloting.describe()}
 
@@ -76,7 +78,7 @@ def generate_perception(
     about = describe("perception", recipe, seed)
     _generate(folder, plans, about, partial(_make_views, recipe=recipe, seed=seed), jobs, report)
     names = [plan.name for plan in plans]
-    dataset.write_manifest(folder, names, label_names=gate_views.LABEL_NAMES, about=about)
+    write_manifest(folder, names, label_names=LABELS, about=about)
     return folder
 
 
@@ -90,7 +92,7 @@ def generate_control(
     jobs: int = -1,
     report: Report = print,
 ) -> Path:
-    """Fly the expert and record `images` labelled frames (90 % train, 10 % validation).
+    """Fly the expert and record `images` labelled images (90 % train, 10 % validation).
 
     Raises UsageError where the folder holds other data.
     """
@@ -99,7 +101,7 @@ def generate_control(
     make = partial(_make_flights, recipe=recipe, seed=seed, piloting=piloting)
     _generate(folder, plans, about, make, jobs, report)
     names = [plan.name for plan in plans]
-    dataset.write_manifest(folder, names, label_names=flights.LABEL_NAMES, about=about)
+    write_manifest(folder, names, label_names=VELOCITIES, about=about)
     return folder
 
 
@@ -121,12 +123,12 @@ def _generate(
     report: Report,
 ) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    dataset.refuse_other(folder, about, {plan.name: plan.count for plan in plans})
-    missing = [plan for plan in plans if not dataset.is_finished(folder, plan.name)]
+    refuse_other(folder, about, {plan.name: plan.count for plan in plans})
+    missing = [plan for plan in plans if not is_finished(folder, plan.name)]
     total = sum(plan.count for plan in missing)
     started = time.monotonic()
     done = 0
-    settings = dataset.settings_sha256(about)
+    settings = settings_sha256(about)
     counts = Parallel(n_jobs=jobs, return_as="generator_unordered")(
         delayed(_make_shard)(folder, plan, make, settings) for plan in missing
     )
@@ -138,9 +140,7 @@ def _generate(
 
 def _make_shard(folder: Path, plan: ShardPlan, make: Make, settings_sha256: str) -> int:
     images, labels = make(plan)
-    dataset.write_shard(
-        folder, plan.name, plan.split, images, labels, settings_sha256=settings_sha256
-    )
+    write_shard(folder, plan.name, plan.split, images, labels, settings_sha256=settings_sha256)
     return plan.count
 
 

@@ -1,15 +1,13 @@
 """Train a CM-VAE, watch that nothing collapses, and write what came out."""
 
-import json
 import math
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
-from safetensors.torch import save_file
 
 from flightstack.errors import UsageError
 from flightstack.perception.cmvae import CmVae, LossTerms
@@ -17,15 +15,13 @@ from flightstack.perception.labels import LABELS, MIRRORED, LabelScale
 from flightstack.training.batches import ImageSource, mirror, shuffled
 from flightstack.training.checkpoint import Checkpoint, identity_of
 from flightstack.training.data.dataset import Dataset
-from flightstack.training.errors import TrainingError
-from flightstack.training.perception.perception_metrics import PerceptionMetrics, measure_perception
+from flightstack.training.perception.metrics import PerceptionMetrics, measure_perception
 from flightstack.training.perception.pictures import write_reconstructions, write_traversals
 from flightstack.training.presets import PerceptionSettings
+from flightstack.training.runs import Report, write_run
 
 EPOCH_VALIDATION_IMAGES = 4096  # enough for a progress line; the last epoch measures all
 PICTURE_IMAGES = 12
-
-Report = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +34,7 @@ class PerceptionRun:
     metrics: PerceptionMetrics
 
 
-class _Trainer:
+class PerceptionTrainer:
     """The networks, the optimiser and the data of one run."""
 
     def __init__(
@@ -118,26 +114,23 @@ def train_perception(
     constant, or when the posterior collapsed; UsageError when the data or the folder do not fit.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    trainer = _Trainer(dataset, settings, device)
+    trainer = PerceptionTrainer(dataset, settings, device)
     if len(trainer.train) < settings.batch:
         raise UsageError(f"{len(trainer.train)} training images are fewer than one batch")
-    checkpoint = Checkpoint(folder, identity=identity_of(settings, data_sha256=dataset.sha256))
-    done = checkpoint.restore(model=trainer.model, optimizer=trainer.optimizer)
-    if done:
-        report(f"{folder.name}: going on after epoch {done} of {settings.epochs}")
-    for number in range(done, settings.epochs):
-        start = time.perf_counter()
-        loss = trainer.epoch(number)
-        rate = len(trainer.train) / (time.perf_counter() - start)
-        if not math.isfinite(loss):
-            raise TrainingError(
-                f"{folder.name}: the loss is {loss} in epoch {number + 1}: lower the learning rate"
-            )
-        checkpoint.save(epochs_done=number + 1, model=trainer.model, optimizer=trainer.optimizer)
+    identity = identity_of(settings, data_sha256=dataset.sha256)
+    checkpoint = Checkpoint(
+        folder, identity=identity, model=trainer.model, optimizer=trainer.optimizer
+    )
+    if begin := checkpoint.restore():
+        report(f"{folder.name}: going on after epoch {begin} of {settings.epochs}")
+    started = time.perf_counter()
+    for done, loss in checkpoint.train(trainer.epoch, range(begin, settings.epochs)):
+        rate = len(trainer.train) / (time.perf_counter() - started)
         metrics = trainer.measure(EPOCH_VALIDATION_IMAGES)
-        head = f"{folder.name} epoch {number + 1}/{settings.epochs}"
+        head = f"{folder.name} epoch {done}/{settings.epochs}"
         report(f"{head}: loss {loss:.4f}, {rate:.0f} images/s, {metrics.line()}")
-    return _finish(trainer, dataset, folder, report)
+        started = time.perf_counter()
+    return _finish(trainer, identity, folder, report)
 
 
 def cpu_has_bfloat16() -> bool:
@@ -145,19 +138,13 @@ def cpu_has_bfloat16() -> bool:
     return bool(torch.cpu._is_avx512_bf16_supported())  # noqa: SLF001  torch has no public name
 
 
-def _finish(trainer: _Trainer, dataset: Dataset, folder: Path, report: Report) -> PerceptionRun:
+def _finish(
+    trainer: PerceptionTrainer, identity: dict[str, Any], folder: Path, report: Report
+) -> PerceptionRun:
     metrics = trainer.measure()
     model = trainer.model.eval()
-    save_file(
-        {key: value.contiguous().cpu() for key, value in model.state_dict().items()},
-        folder / "perception.safetensors",
-    )
-    summary = {
-        **identity_of(trainer.settings, data_sha256=dataset.sha256),
-        "label_scale": {"offset": trainer.scale.offset, "scale": trainer.scale.scale},
-        "metrics": metrics.as_dict(),
-    }
-    (folder / "perception.json").write_text(json.dumps(summary, indent=2) + "\n")
+    summary = {**identity, "label_scale": asdict(trainer.scale), "metrics": metrics.as_dict()}
+    write_run(folder, "perception", model, summary)
     images, _ = trainer.source.fetch(trainer.validation[:PICTURE_IMAGES])
     write_reconstructions(model, images, folder / "reconstructions.png")
     write_traversals(model, images, folder / "traversals.png")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flightstack.frames import ned_from_body, wrap_pi
-from flightstack.training.data.expert import ExpertConfig, expert_command
+from flightstack.training.data.funnel import ExpertConfig, expert_command
 from sitl import CourseState, make_track
 from sitl.world.referee import Referee
 

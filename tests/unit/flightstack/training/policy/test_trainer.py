@@ -10,10 +10,10 @@ from flightstack.perception.dronet import Dronet
 from flightstack.training.data.dataset import Dataset
 from flightstack.training.errors import TrainingError
 from flightstack.training.models.assemble import policy_config
-from flightstack.training.models.runs import read_run
 from flightstack.training.perception.latents import LatentSource
-from flightstack.training.policy.policy import PolicyRun, train_policy
+from flightstack.training.policy.trainer import PolicyRun, train_policy
 from flightstack.training.presets import PolicySettings
+from flightstack.training.runs import read_run
 
 CPU = torch.device("cpu")
 SETTINGS = PolicySettings(members=3, probabilistic=True, epochs=30, batch=32)
