@@ -1,17 +1,14 @@
 """Recipes of training data: TOML files that explain their choices, read into checked records."""
 
 import math
-import tomllib
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import dataclass
 from importlib.resources import files
-from typing import Any, Self, TypeVar, get_args
+from typing import Literal, Self
 
 import numpy as np
 
 from flightstack.errors import UsageError
-
-EXPERTS = ("funnel", "minimum-jerk")
-T = TypeVar("T")
+from flightstack.tables import read_toml, record_from_table
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,10 +21,10 @@ class Fog:
     def __post_init__(self) -> None:
         """Check what the type alone does not."""
         if not 0.0 <= self.share <= 1.0:
-            raise UsageError(f"fog.share: must be from 0 to 1, got {self.share}")
+            raise ValueError(f"share must be from 0 to 1, got {self.share}")
         low, high = self.visibility_m
         if not 0.0 < low <= high:
-            raise UsageError(f"fog.visibility_m: [{low}, {high}] is not in order above 0")
+            raise ValueError(f"visibility_m [{low}, {high}] is not in order above 0")
 
     def draw_visibility_m(self, rng: np.random.Generator) -> float:
         """Draw how far one sees; infinite without fog."""
@@ -65,7 +62,7 @@ class ViewRecipe:
 class FlightRecipe:
     """Which courses the expert flies, from where, and how much it is disturbed."""
 
-    expert: str  # one of EXPERTS
+    expert: Literal["funnel", "minimum-jerk"]
     most_radius_noise_m: float
     most_height_noise_m: float
     frames: int  # of one flight
@@ -82,12 +79,10 @@ class FlightRecipe:
 
     def __post_init__(self) -> None:
         """Check what the type alone does not."""
-        if self.expert not in EXPERTS:
-            raise UsageError(f"flights.expert: '{self.expert}' is none of {', '.join(EXPERTS)}")
         low, high = self.held_out_radius_noise_m
         if not 0.0 <= low <= high <= self.most_radius_noise_m:
-            raise UsageError(
-                f"flights.held_out_radius_noise_m: [{low}, {high}] does not lie in order "
+            raise ValueError(
+                f"held_out_radius_noise_m [{low}, {high}] does not lie in order "
                 f"between 0 and {self.most_radius_noise_m}"
             )
 
@@ -105,9 +100,7 @@ class Dagger:
     def __post_init__(self) -> None:
         """Check what the type alone does not."""
         if not 0.0 < self.images_share <= 10.0:
-            raise UsageError(
-                f"dagger.images_share: must be above 0, up to 10, got {self.images_share}"
-            )
+            raise ValueError(f"images_share must be above 0, up to 10, got {self.images_share}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -136,58 +129,12 @@ class Recipe:
 
     @classmethod
     def parse(cls, name: str, text: str) -> Self:
-        """Build a recipe from TOML text; angles are given in degrees there, with names in _deg."""
+        """Build a recipe from TOML text; its [fog] lies over views and flights alike."""
         try:
-            table = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
-            raise UsageError(f"recipe {name}: not TOML: {error}") from error
-        if set(table) - {"fog", "dagger"} != {"views", "flights"}:
-            raise UsageError(
-                f"recipe {name}: expected [views] and [flights], and perhaps [fog] and [dagger], "
-                f"got {sorted(table)}"
-            )
-        fog = _build(Fog, table["fog"], f"recipe {name}: fog") if "fog" in table else NO_FOG
-        return cls(
-            name=name,
-            views=_build(ViewRecipe, table["views"], f"recipe {name}: views", fog=fog),
-            flights=_build(FlightRecipe, table["flights"], f"recipe {name}: flights", fog=fog),
-            dagger=_build(Dagger, table["dagger"], f"recipe {name}: dagger")
-            if "dagger" in table
-            else None,
-        )
-
-
-def _build(record: type[T], table: dict[str, Any], where: str, **known_already: Any) -> T:
-    values = {}
-    for key, value in table.items():
-        in_radians = key.endswith("_deg")
-        name = key.removesuffix("_deg") + "_rad" if in_radians else key
-        values[name] = math.radians(value) if in_radians else value
-    known = {
-        item.name: item
-        for item in fields(record)  # type: ignore[arg-type]
-        if item.name not in known_already
-    }
-    unknown = sorted(set(values) - set(known))
-    missing = sorted(
-        name for name, item in known.items() if item.default is MISSING and name not in values
-    )
-    if unknown or missing:
-        what = f"unknown {', '.join(unknown)}" if unknown else f"missing {', '.join(missing)}"
-        raise UsageError(f"{where}: {what}; known are: {', '.join(known)}")
-    checked = {name: _typed(values[name], known[name].type, f"{where}.{name}") for name in values}
-    return record(**checked, **known_already)
-
-
-def _typed(value: Any, wanted: Any, where: str) -> Any:
-    """Check one value against its field's type; lists become tuples, integers floats."""
-    parts = get_args(wanted)
-    if parts:
-        if not isinstance(value, list) or len(value) != len(parts):
-            raise UsageError(f"{where}: expected {len(parts)} numbers, got {value}")
-        return tuple(_typed(item, part, where) for item, part in zip(value, parts, strict=True))
-    if wanted is float and type(value) is int:
-        return float(value)
-    if type(value) is not wanted or (wanted is float and not math.isfinite(value)):
-        raise UsageError(f"{where}: expected {wanted.__name__}, got {value!r}")
-    return value
+            table = read_toml(text, where=f"recipe {name}")
+            if "fog" in table:
+                fog = {"fog": table.pop("fog")}
+                table |= {kind: fog | table[kind] for kind in ("views", "flights") if kind in table}
+            return record_from_table(cls, table, where=f"recipe {name}", given={"name": name})
+        except ValueError as error:
+            raise UsageError(str(error)) from error

@@ -1,13 +1,12 @@
 """Which models are made of which trainings: models.toml, read and checked."""
 
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from flightstack.errors import UsageError
 from flightstack.perception.config import Sampling
-from flightstack.tables import record_from_table
+from flightstack.tables import read_toml, record_from_table
 
 FILE = Path(__file__).with_name("models.toml")
 
@@ -29,7 +28,7 @@ class ModelPlan:
 def read_catalogue(path: Path = FILE) -> dict[str, ModelPlan]:
     """Read every model's plan by its name; raises UsageError."""
     try:
-        tables = tomllib.loads(path.read_text())
+        tables = read_toml(path.read_text(), where=path.name)
         return {
             name: record_from_table(ModelPlan, table, where=f"{path.name}: {name}")
             for name, table in tables.items()

@@ -94,7 +94,7 @@ def test_a_recipe_that_holds_nothing_out_draws_as_before():
 
 
 def test_a_held_out_level_outside_the_range_is_refused():
-    with pytest.raises(UsageError, match="held_out_radius_noise_m"):
+    with pytest.raises(ValueError, match="held_out_radius_noise_m"):
         replace(SHORT, held_out_radius_noise_m=(1.4, 1.6))
 
 
