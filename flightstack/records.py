@@ -7,7 +7,8 @@ One alphabet: N policies, M latent samples, Z latent dimensions, and 4 velocitie
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
+
+from flightstack.arrays import CountPerVelocity, PerMember, PerSample, PerVelocity, Rgb
 
 VELOCITIES = ("vx", "vy", "vz", "yaw_rate")  # m/s, m/s, m/s, rad/s; body FRD
 ALL_MEMBERS = -1  # Decision.member where every policy was pooled
@@ -19,15 +20,15 @@ class Image:
 
     stamp_us: int
     sequence: int
-    rgb: NDArray[np.uint8]  # (H, W, 3)
+    rgb: Rgb
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ActionSamples:
     """The posterior predictive: N x M Gaussians over each of the 4 velocities."""
 
-    mean: NDArray[np.float64]  # (N, M, 4) m/s, rad/s
-    var: NDArray[np.float64]  # (N, M, 4) squared units
+    mean: PerSample  # m/s, rad/s
+    var: PerSample  # squared units
 
     def __post_init__(self) -> None:
         """Check shapes and finiteness once, at the boundary."""
@@ -47,11 +48,11 @@ class ActionSamples:
 class Decision:
     """The command for one image, and all that is known about how sure it is."""
 
-    command: NDArray[np.float64]  # (4,) m/s, rad/s
-    aleatoric_std: NDArray[np.float64]  # (4,) expected predicted noise
-    epistemic_std: NDArray[np.float64]  # (4,) spread between policy members
-    perceptual_std: NDArray[np.float64]  # (4,) spread between latent samples
-    score: NDArray[np.float64]  # (N, 4) nats, MI score of each member
-    member: NDArray[np.int64]  # (4,) chosen member, or ALL_MEMBERS
-    modes: NDArray[np.int64]  # (4,) number of modes of what was decided on
-    member_mean: NDArray[np.float64]  # (N, 4) m/s, rad/s; each member's own prediction
+    command: PerVelocity  # m/s, rad/s
+    aleatoric_std: PerVelocity  # expected predicted noise
+    epistemic_std: PerVelocity  # spread between policy members
+    perceptual_std: PerVelocity  # spread between latent samples
+    score: PerMember  # nats, MI score of each member
+    member: CountPerVelocity  # the chosen one, or ALL_MEMBERS
+    modes: CountPerVelocity  # number of modes of what was decided on
+    member_mean: PerMember  # m/s, rad/s; each member's own prediction

@@ -2,6 +2,10 @@
 
 import signal
 
+from tests import shape_checks
+
+shape_checks.install()  # before a test imports what is to be checked; every worker comes by here
+
 
 def pytest_configure() -> None:
     """Let processes under test be interrupted: a shell ignores SIGINT for its background jobs."""

@@ -9,8 +9,13 @@ Reference: Scott 1992, "Multivariate density estimation".
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Bool, Float32, Float64
 from numpy.typing import NDArray
 
+from flightstack.arrays import CountPerVelocity, PerVelocity
+
+Grid = Float64[NDArray[np.float64], "4 G"]
+Density = Float32[NDArray[np.float32], "4 G"]
 GRID = 64  # points; a mode is located to about 1/10 of a bandwidth or better
 MARGIN = 2.0  # bandwidths that the grid reaches beyond the outermost samples
 MIN_HEIGHT = 0.1  # of the highest mode; a lower bump is one stray sample, not an alternative
@@ -21,41 +26,41 @@ MIN_BANDWIDTH = 1e-9  # where all samples are equal
 class Modes:
     """The modes of each velocity's density, on a grid."""
 
-    grid: NDArray[np.float64]  # (4, G) m/s, rad/s
-    density: NDArray[np.float32]  # (4, G) relative
-    is_mode: NDArray[np.bool_]  # (4, G)
+    grid: Grid  # m/s, rad/s
+    density: Density  # relative
+    is_mode: Bool[NDArray[np.bool_], "4 G"]
 
     @property
-    def count(self) -> NDArray[np.int64]:
-        """How many modes each velocity has, (4,); at least 1."""
+    def count(self) -> CountPerVelocity:
+        """How many modes each velocity has; at least 1."""
         return np.asarray(np.count_nonzero(self.is_mode, axis=1), dtype=np.int64)
 
     @property
-    def lowest(self) -> NDArray[np.float64]:
-        """The lowest-valued mode of each velocity, (4,)."""
+    def lowest(self) -> PerVelocity:
+        """The lowest-valued mode of each velocity."""
         return self._pick(self.is_mode.argmax(axis=1))
 
     @property
-    def highest(self) -> NDArray[np.float64]:
-        """The highest-valued mode of each velocity, (4,)."""
+    def highest(self) -> PerVelocity:
+        """The highest-valued mode of each velocity."""
         return self._pick(GRID - 1 - self.is_mode[:, ::-1].argmax(axis=1))
 
     @property
-    def densest(self) -> NDArray[np.float64]:
-        """The mode with the greatest density, (4,)."""
+    def densest(self) -> PerVelocity:
+        """The mode with the greatest density."""
         return self._pick(self.density.argmax(axis=1))
 
     @property
-    def softest(self) -> NDArray[np.float64]:
-        """The mode nearest to zero, (4,)."""
+    def softest(self) -> PerVelocity:
+        """The mode nearest to zero."""
         return self._pick(np.where(self.is_mode, np.abs(self.grid), np.inf).argmin(axis=1))
 
-    def _pick(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+    def _pick(self, index: CountPerVelocity) -> PerVelocity:
         return self.grid[np.arange(len(self.grid)), index]
 
 
-def find_modes(values: NDArray[np.float64]) -> Modes:
-    """Estimate the density of samples (M, 4) and find its modes."""
+def find_modes(values: Float64[NDArray[np.float64], "M 4"]) -> Modes:
+    """Estimate the density of samples and find its modes."""
     samples = np.ascontiguousarray(values.T)  # (4, M): long rows add up fastest
     low, high = samples.min(axis=1), samples.max(axis=1)
     bandwidth = np.maximum(samples.std(axis=1) * len(values) ** -0.2, MIN_BANDWIDTH)
@@ -70,8 +75,8 @@ def find_modes(values: NDArray[np.float64]) -> Modes:
 
 
 def _density(
-    grid: NDArray[np.float64], samples: NDArray[np.float64], bandwidth: NDArray[np.float64]
-) -> NDArray[np.float32]:
+    grid: Grid, samples: Float64[NDArray[np.float64], "4 M"], bandwidth: PerVelocity
+) -> Density:
     """Sum up Gaussian kernels on the grid; single precision, because a picture needs no more."""
     unit = (1.0 / bandwidth)[:, np.newaxis]
     start = grid[:, :1]  # counted from here, so that single precision loses nothing

@@ -14,24 +14,25 @@ References:
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.arrays import PerMember
 from flightstack.records import ActionSamples
 
 NODES = 20  # Gauss-Hermite; error below 0.01 nats
 
 
-def gaussian_score(samples: ActionSamples) -> NDArray[np.float64]:
-    """Score every member against the Gaussian that matches the pool: (N, 4) nats."""
+def gaussian_score(samples: ActionSamples) -> PerMember:
+    """Score every member against the Gaussian that matches the pool, in nats."""
     mean, var = samples.mean, samples.var
     centred = mean - mean.mean(axis=(0, 1))
     spread = var + np.square(centred)  # (N, M, 4): E (y - pool mean)^2 under each component
     pool_var = spread.mean(axis=(0, 1))
     excess = np.log(pool_var) - np.log(var).mean(axis=1) + spread.mean(axis=1) / pool_var - 1.0
-    score: NDArray[np.float64] = 0.5 * excess
+    score: PerMember = 0.5 * excess
     return score
 
 
-def quadrature_score(samples: ActionSamples) -> NDArray[np.float64]:
-    """Score every member against the pool itself: (N, 4) nats."""
+def quadrature_score(samples: ActionSamples) -> PerMember:
+    """Score every member against the pool itself, in nats."""
     members, latents, velocities = samples.mean.shape
     score = np.empty((members, velocities))
     for k in range(velocities):

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flightstack.arrays import CountPerVelocity, PerMember
 from flightstack.decision.information import gaussian_score, quadrature_score
 from flightstack.records import ALL_MEMBERS, VELOCITIES, ActionSamples
 
@@ -22,8 +22,8 @@ class Aids:
 class MemberChoice:
     """Whom to follow, per velocity, and the scores that were looked at."""
 
-    member: NDArray[np.int64]  # (4,) or ALL_MEMBERS
-    score: NDArray[np.float64]  # (N, 4) nats
+    member: CountPerVelocity  # or ALL_MEMBERS
+    score: PerMember  # nats
 
 
 def all_members(samples: ActionSamples, aids: Aids) -> MemberChoice:  # noqa: ARG001

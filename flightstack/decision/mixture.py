@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flightstack.arrays import PerVelocity
 from flightstack.records import ActionSamples
 
 
@@ -12,18 +12,18 @@ from flightstack.records import ActionSamples
 class VarianceParts:
     """The variance of the pool by the law of total variance; the parts add up exactly."""
 
-    aleatoric: NDArray[np.float64]  # (4,) mean predicted variance
-    policy: NDArray[np.float64]  # (4,) variance between the members' mean predictions
-    latent: NDArray[np.float64]  # (4,) mean over members of the variance between latent samples
+    aleatoric: PerVelocity  # mean predicted variance
+    policy: PerVelocity  # variance between the members' mean predictions
+    latent: PerVelocity  # mean over members of the variance between latent samples
 
     @property
-    def total(self) -> NDArray[np.float64]:
-        """The variance of the pool, (4,)."""
+    def total(self) -> PerVelocity:
+        """The variance of the pool."""
         return self.aleatoric + self.policy + self.latent
 
 
-def pool_mean(samples: ActionSamples) -> NDArray[np.float64]:
-    """Mean of the pool, (4,): the ensemble mean of Lakshminarayanan et al. 2017."""
+def pool_mean(samples: ActionSamples) -> PerVelocity:
+    """Mean of the pool: the ensemble mean of Lakshminarayanan et al. 2017."""
     return np.asarray(samples.mean.mean(axis=(0, 1)))
 
 

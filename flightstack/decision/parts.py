@@ -9,8 +9,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float64
 from numpy.typing import NDArray
 
+from flightstack.arrays import PerVelocity
 from flightstack.decision.density import Modes, find_modes
 from flightstack.decision.members import MemberChoice
 from flightstack.records import ALL_MEMBERS, VELOCITIES, ActionSamples
@@ -26,7 +28,7 @@ DIRECTIONS = ("cw", "ccw")  # of the course, seen from above
 class Followed:
     """The predicted means of those who are followed."""
 
-    values: NDArray[np.float64]  # (M, 4) of one member each, or (N M, 4) of all
+    values: Float64[NDArray[np.float64], "S 4"]  # M of one member each, or N M of all
     modes: Modes
     direction: str  # of the course, one of DIRECTIONS
 
@@ -40,18 +42,18 @@ class Followed:
         return cls(values=values, modes=find_modes(values), direction=direction)
 
 
-def mean(followed: Followed) -> NDArray[np.float64]:
-    """Take the mean of the means, (4,)."""
+def mean(followed: Followed) -> PerVelocity:
+    """Take the mean of the means."""
     return np.asarray(followed.values.mean(axis=0))
 
 
-def median(followed: Followed) -> NDArray[np.float64]:
-    """Take their median, (4,)."""
+def median(followed: Followed) -> PerVelocity:
+    """Take their median."""
     return np.asarray(np.median(followed.values, axis=0))
 
 
-def densest_mode(followed: Followed) -> NDArray[np.float64]:
-    """Take the highest peak of their density, (4,)."""
+def densest_mode(followed: Followed) -> PerVelocity:
+    """Take the highest peak of their density."""
     return followed.modes.densest
 
 
@@ -75,12 +77,12 @@ def slow_vx(followed: Followed, statistic: float, factor: float) -> float:  # no
     return factor * statistic
 
 
-def no_side(followed: Followed, command: NDArray[np.float64]) -> NDArray[np.float64]:  # noqa: ARG001
+def no_side(followed: Followed, command: PerVelocity) -> PerVelocity:  # noqa: ARG001
     """Keep what the statistic gave."""
     return command
 
 
-def near_side(followed: Followed, command: NDArray[np.float64]) -> NDArray[np.float64]:
+def near_side(followed: Followed, command: PerVelocity) -> PerVelocity:
     """Where there are several modes: the nearer gate's side of vy and yaw rate, the softest vz."""
     modes = followed.modes
     sideways = modes.lowest if followed.direction == "cw" else modes.highest
@@ -88,7 +90,7 @@ def near_side(followed: Followed, command: NDArray[np.float64]) -> NDArray[np.fl
     return np.where(modes.count > 1, preferred, command)
 
 
-STATISTICS: dict[str, Callable[[Followed], NDArray[np.float64]]] = {
+STATISTICS: dict[str, Callable[[Followed], PerVelocity]] = {
     "mean": mean,
     "median": median,
     "mode": densest_mode,
@@ -99,7 +101,7 @@ VX_RULES: dict[str, Callable[[Followed, float, float], float]] = {
     "lowest-mode": lowest_mode_vx,
     "slow": slow_vx,
 }
-SIDES: dict[str, Callable[[Followed, NDArray[np.float64]], NDArray[np.float64]]] = {
+SIDES: dict[str, Callable[[Followed, PerVelocity], PerVelocity]] = {
     "none": no_side,
     "near": near_side,
 }

@@ -8,7 +8,7 @@ MEMBER/STATISTIC/VX or MEMBER/STATISTIC/VX/SIDE, for example `mi-exact/mean/slow
 import math
 from collections.abc import Collection
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -34,6 +34,7 @@ STRATEGIES = {
 FORM = "MEMBER/STATISTIC/VX[/SIDE]"
 
 
+@runtime_checkable
 class Strategy(Protocol):
     """Anything that turns a posterior predictive into a decision."""
 

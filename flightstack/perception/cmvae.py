@@ -14,6 +14,7 @@ References:
 from dataclasses import dataclass
 
 import torch
+from jaxtyping import Float
 from torch import Generator, Tensor, nn
 
 from flightstack.perception.decoders import GatePoseDecoder, ImageDecoder
@@ -35,11 +36,11 @@ class LossWeights:
 class LossTerms:
     """The parts of the loss of one batch, each before its weight."""
 
-    image: Tensor  # () mean squared error of a pixel
-    pose: Tensor  # (4,) mean squared error of each scaled label
-    kl: Tensor  # (Z,) nats
+    image: Float[Tensor, ""]  # mean squared error of a pixel
+    pose: Float[Tensor, "4"]  # mean squared error of each scaled label
+    kl: Float[Tensor, " Z"]  # nats
 
-    def total(self, weights: LossWeights) -> Tensor:
+    def total(self, weights: LossWeights) -> Float[Tensor, ""]:
         """Weigh and add up."""
         pose = (self.pose * self.pose.new_tensor(weights.labels)).sum()
         return 0.5 * (weights.image * self.image + weights.pose * pose) + weights.kl * self.kl.sum()
@@ -55,7 +56,12 @@ class CmVae(nn.Module):
         self.pose_decoder = GatePoseDecoder(len(LABELS))
 
     def loss_terms(
-        self, images: Tensor, labels: Tensor, *, generator: Generator, reconstructed: int
+        self,
+        images: Float[Tensor, "B 3 64 64"],
+        labels: Float[Tensor, "B 4"],
+        *,
+        generator: Generator,
+        reconstructed: int,
     ) -> LossTerms:
         """Pass a batch through, with fresh dropout masks and one latent sample an image.
 
@@ -73,12 +79,16 @@ class CmVae(nn.Module):
         )
 
 
-def kl_to_standard_normal(mean: Tensor, logvar: Tensor) -> Tensor:
+def kl_to_standard_normal(
+    mean: Float[Tensor, "*any"], logvar: Float[Tensor, "*any"]
+) -> Float[Tensor, "*any"]:
     """KL( N(mean, exp(logvar)) || N(0, 1) ) elementwise, in nats (Kingma and Welling 2014)."""
     return 0.5 * (mean.square() + logvar.exp() - 1.0 - logvar)
 
 
-def sample_normal(mean: Tensor, logvar: Tensor, generator: Generator) -> Tensor:
+def sample_normal(
+    mean: Float[Tensor, "*any"], logvar: Float[Tensor, "*any"], generator: Generator
+) -> Float[Tensor, "*any"]:
     """Draw one sample from each N(mean, exp(logvar))."""
     noise = torch.randn(mean.shape, generator=generator, device=mean.device, dtype=mean.dtype)
     return mean + noise * torch.exp(0.5 * logvar)

@@ -5,14 +5,19 @@ whole of z reaches the image: that is the disentangling constraint.
 """
 
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 
 
 class PointToMap(nn.ConvTranspose2d):
     """A transposed convolution of a 1x1 map, which is one matrix product and so much faster."""
 
-    def forward(self, x: Tensor, output_size: list[int] | None = None) -> Tensor:  # noqa: ARG002
-        """Map (B, C) to (B, C', K, K)."""
+    def forward(
+        self,
+        x: Float[Tensor, "B C"],
+        output_size: list[int] | None = None,  # noqa: ARG002
+    ) -> Float[Tensor, "B c k k"]:
+        """Spread every point over a map as large as the kernel."""
         size = self.kernel_size[0]
         flat = x @ self.weight.permute(0, 2, 3, 1).reshape(self.in_channels, -1)
         maps = flat.view(-1, size, size, self.out_channels)
@@ -21,7 +26,7 @@ class PointToMap(nn.ConvTranspose2d):
 
 
 class ImageDecoder(nn.Module):
-    """z (B, Z) to an image (B, 3, 64, 64) in [-1, 1]: dense 1024, six transposed convolutions."""
+    """z to an image in [-1, 1]: dense 1024, six transposed convolutions."""
 
     def __init__(self, latent_dims: int) -> None:
         super().__init__()
@@ -41,7 +46,7 @@ class ImageDecoder(nn.Module):
             nn.Tanh(),
         )
 
-    def forward(self, z: Tensor) -> Tensor:
+    def forward(self, z: Float[Tensor, "B Z"]) -> Float[Tensor, "B 3 64 64"]:
         """Reconstruct the image."""
         image: Tensor = self.maps(torch.relu(self.dense(z)))
         return image
@@ -59,6 +64,6 @@ class GatePoseDecoder(nn.Module):
             for _ in range(labels)
         )
 
-    def forward(self, z: Tensor) -> Tensor:
-        """Map (B, Z) to (B, labels)."""
+    def forward(self, z: Float[Tensor, "B Z"]) -> Float[Tensor, "B L"]:
+        """Read each label from its own dimension."""
         return torch.cat([head(z[:, k : k + 1]) for k, head in enumerate(self.heads)], dim=1)

@@ -8,6 +8,7 @@ References:
 """
 
 import torch
+from jaxtyping import Float
 from torch import Generator, Tensor, nn
 
 FEATURES = 512  # what the trunk hands to the head: 2 x 2 x 128
@@ -25,8 +26,8 @@ class ResidualBlock(nn.Module):
         self.conv2 = nn.Conv2d(channels_out, channels_out, 3, padding=1)
         self.shortcut = nn.Conv2d(channels_in, channels_out, 1, stride=2)
 
-    def forward(self, x: Tensor) -> Tensor:
-        """Map (B, C, H, W) to (B, C', H/2, W/2)."""
+    def forward(self, x: Float[Tensor, "B C H W"]) -> Float[Tensor, "B c h w"]:
+        """Map to half the height and width."""
         inner = self.conv1(torch.relu(self.norm1(x)))
         inner = self.conv2(torch.relu(self.norm2(inner)))
         out: Tensor = inner + self.shortcut(x)
@@ -44,8 +45,8 @@ class Trunk(nn.Module):
             ResidualBlock(32, 32), ResidualBlock(32, 64), ResidualBlock(64, 128)
         )
 
-    def forward(self, images: Tensor) -> Tensor:
-        """Map images (B, 3, 64, 64) in [-1, 1] to features (B, 512)."""
+    def forward(self, images: Float[Tensor, "B 3 64 64"]) -> Float[Tensor, "B 512"]:
+        """Map images in [-1, 1] to features."""
         maps = self.blocks(self.pool(self.conv(images)))
         return torch.relu(maps.flatten(1))
 
@@ -60,8 +61,10 @@ class Head(nn.Module):
         self.dense2 = nn.Linear(64, 32)
         self.out = nn.Linear(32, 2 * latent_dims)
 
-    def forward(self, features: Tensor) -> tuple[Tensor, Tensor]:
-        """Map features (..., 512), masked or not, to mean and log-variance (..., Z)."""
+    def forward(
+        self, features: Float[Tensor, "B 512"]
+    ) -> tuple[Float[Tensor, "B Z"], Float[Tensor, "B Z"]]:
+        """Map features, masked or not, to mean and log-variance."""
         hidden = torch.relu(self.dense1(features))
         hidden = torch.relu(self.dense2(hidden))
         out = self.out(hidden)
@@ -78,8 +81,10 @@ class Dronet(nn.Module):
         self.trunk = Trunk()
         self.head = Head(latent_dims)
 
-    def forward(self, images: Tensor, generator: Generator | None = None) -> tuple[Tensor, Tensor]:
-        """Encode (B, 3, 64, 64); with a generator each image gets a dropout mask of its own."""
+    def forward(
+        self, images: Float[Tensor, "B 3 64 64"], generator: Generator | None = None
+    ) -> tuple[Float[Tensor, "B Z"], Float[Tensor, "B Z"]]:
+        """Encode images; with a generator each image gets a dropout mask of its own."""
         features = self.trunk(images)
         if generator is not None and self.dropout > 0.0:
             features = features * dropout_mask(features, self.dropout, generator)
@@ -87,7 +92,9 @@ class Dronet(nn.Module):
         return mean, logvar
 
 
-def dropout_mask(like: Tensor, rate: float, generator: Generator) -> Tensor:
+def dropout_mask(
+    like: Float[Tensor, "*any"], rate: float, generator: Generator
+) -> Float[Tensor, "*any"]:
     """Draw 0 with probability `rate` and 1 / (1 - rate) otherwise, shaped like `like`."""
     kept = torch.rand(like.shape, generator=generator, device=like.device) >= rate
     return kept.to(like.dtype).div_(1.0 - rate)

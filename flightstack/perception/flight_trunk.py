@@ -8,6 +8,7 @@ nobody reads again is overwritten.
 from typing import NamedTuple, Self
 
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 from torch.nn.utils.fusion import fuse_conv_bn_eval
@@ -18,8 +19,8 @@ from flightstack.perception.dronet import ResidualBlock, Trunk
 class Convolution(NamedTuple):
     """The tensors of a convolution."""
 
-    weight: Tensor
-    bias: Tensor | None
+    weight: Float[Tensor, "O I k k"]
+    bias: Float[Tensor, " O"] | None
 
     @classmethod
     def of(cls, layer: nn.Conv2d) -> Self:
@@ -45,8 +46,8 @@ class Block(NamedTuple):
             Convolution.of(block.shortcut),
         )
 
-    def __call__(self, maps: Tensor) -> Tensor:
-        """Map (B, C, H, W) to (B, C', H/2, W/2)."""
+    def __call__(self, maps: Float[Tensor, "B C H W"]) -> Float[Tensor, "B c h w"]:
+        """Map to half the height and width."""
         norm = self.norm1
         inner = functional.batch_norm(
             maps, norm.running_mean, norm.running_var, norm.weight, norm.bias, eps=norm.eps
@@ -66,8 +67,8 @@ class FlightTrunk:
             Block.of(block) for block in trunk.blocks if isinstance(block, ResidualBlock)
         ]
 
-    def __call__(self, images: Tensor) -> Tensor:
-        """Map images (B, 3, 64, 64) in [-1, 1] to features (B, 512)."""
+    def __call__(self, images: Float[Tensor, "B 3 64 64"]) -> Float[Tensor, "B 512"]:
+        """Map images in [-1, 1] to features."""
         maps = torch.max_pool2d(torch.conv2d(images, *self._first, stride=2, padding=2), 2)
         for block in self._blocks:
             maps = block(maps)

@@ -2,8 +2,8 @@
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 
+from flightstack.arrays import PerImage, RgbStack
 from flightstack.perception.decoders import GatePoseDecoder
 from flightstack.perception.dronet import Dronet
 from flightstack.perception.labels import LabelScale
@@ -13,9 +13,9 @@ BATCH = 256
 
 
 def read_poses(
-    encoder: Dronet, decoder: GatePoseDecoder, scale: LabelScale, rgb: NDArray[np.uint8]
-) -> NDArray[np.float64]:
-    """Map images (K, 64, 64, 3) to poses (K, 4): range, azimuth, elevation, gate yaw; m, rad."""
+    encoder: Dronet, decoder: GatePoseDecoder, scale: LabelScale, rgb: RgbStack
+) -> PerImage:
+    """Map images to poses: range, azimuth, elevation, gate yaw; m, rad."""
     scaled = []
     with torch.inference_mode():
         for start in range(0, len(rgb), BATCH):

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
+
+from flightstack.arrays import Labels, PerImage
 
 LABELS = ("range_m", "azimuth_rad", "elevation_rad", "gate_yaw_rad")  # body FRD; see below
 # azimuth: right positive; elevation: up positive; gate yaw: heading of the gate's passing axis
@@ -35,26 +36,26 @@ class LabelScale:
             raise ValueError(f"LabelScale.scale: must be positive, got {self.scale}")
 
     @classmethod
-    def of(cls, labels: NDArray[np.float32]) -> Self:
-        """Fit to training labels with shape (K, 4)."""
+    def of(cls, labels: Labels) -> Self:
+        """Fit to training labels."""
         values = _with_log_range(labels)
         offset = np.where(MIRRORED < 0.0, 0.0, values.mean(axis=0))
         scale = np.sqrt(np.mean((values - offset) ** 2, axis=0))
         return cls(offset=tuple(offset.tolist()), scale=tuple(np.maximum(scale, 1e-6).tolist()))
 
-    def encode(self, labels: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Map physical labels (K, 4) to scaled ones."""
+    def encode(self, labels: Labels) -> Labels:
+        """Map physical labels to scaled ones."""
         scaled = (_with_log_range(labels) - self.offset) / np.array(self.scale)
         return np.asarray(scaled, dtype=np.float32)
 
-    def decode(self, scaled: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Map scaled labels (K, 4) back to metres and radians."""
-        labels: NDArray[np.float64] = scaled.astype(np.float64) * self.scale + self.offset
+    def decode(self, scaled: Labels) -> PerImage:
+        """Map scaled labels back to metres and radians."""
+        labels: PerImage = scaled.astype(np.float64) * self.scale + self.offset
         labels[:, RANGE] = np.exp(labels[:, RANGE])
         return labels
 
 
-def _with_log_range(labels: NDArray[np.float32]) -> NDArray[np.float64]:
+def _with_log_range(labels: Labels) -> PerImage:
     values = labels.astype(np.float64)
     values[:, RANGE] = np.log(np.maximum(values[:, RANGE], MIN_RANGE_M))
     return values

@@ -8,13 +8,14 @@ References:
     Gal and Ghahramani 2016 (see dronet.py).
 """
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
+from jaxtyping import Float32
 from torch import Generator, Tensor
 
+from flightstack.arrays import Latents, SmallRgb
 from flightstack.perception.cmvae import sample_normal
 from flightstack.perception.config import PerceptionConfig
 from flightstack.perception.dronet import FEATURES, Dronet
@@ -22,11 +23,12 @@ from flightstack.perception.flight_trunk import FlightTrunk
 from flightstack.perception.preprocessing import network_input
 
 
+@runtime_checkable
 class LatentPosterior(Protocol):
     """Anything that turns an image into latent samples, by a chance of its own."""
 
-    def sample(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
-        """Map one image (64, 64, 3) to M latent samples (M, Z)."""
+    def sample(self, rgb: SmallRgb) -> Latents:
+        """Map one image to M latent samples."""
         ...
 
 
@@ -44,8 +46,8 @@ class McDropoutPosterior:
         self._trunk = FlightTrunk(encoder.trunk)
         self._samples, self._within = samples, within
 
-    def sample(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
-        """Draw M masks, then M latent samples (M, Z)."""
+    def sample(self, rgb: SmallRgb) -> Latents:
+        """Draw M masks, then M latent samples."""
         with torch.inference_mode():
             features = self._trunk(network_input(rgb[np.newaxis]))  # (1, 512)
             rate, shape = self._encoder.dropout, (self._samples, FEATURES)
@@ -62,8 +64,8 @@ class GaussianPosterior:
         self._encoder, self._generator = encoder.eval(), generator
         self._samples = samples
 
-    def sample(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
-        """Draw M latent samples (M, Z)."""
+    def sample(self, rgb: SmallRgb) -> Latents:
+        """Draw M latent samples."""
         with torch.inference_mode():
             mean, logvar = self._encoder(network_input(rgb[np.newaxis]))
             shape = (self._samples, -1)
@@ -76,8 +78,8 @@ class MeanPosterior:
     def __init__(self, encoder: Dronet) -> None:
         self._encoder = encoder.eval()
 
-    def sample(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
-        """Give the mean as (1, Z)."""
+    def sample(self, rgb: SmallRgb) -> Latents:
+        """Give the mean as one sample."""
         with torch.inference_mode():
             mean, _ = self._encoder(network_input(rgb[np.newaxis]))
             return _array(mean)
@@ -97,6 +99,6 @@ def make_posterior(config: PerceptionConfig, encoder: Dronet, *, seed: int) -> L
             return MeanPosterior(encoder)
 
 
-def _array(z: Tensor) -> NDArray[np.float32]:
-    array: NDArray[np.float32] = z.numpy()
+def _array(z: Float32[Tensor, "M Z"]) -> Latents:
+    array: Latents = z.numpy()
     return array

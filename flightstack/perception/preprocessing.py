@@ -3,15 +3,17 @@
 import cv2
 import numpy as np
 import torch
-from numpy.typing import NDArray
+from jaxtyping import Float, Float32, UInt8
 from torch import Tensor
+
+from flightstack.arrays import Rgb, RgbStack, SmallRgb
 
 IMAGE_SIZE = 64  # pixels; the square image of the paper
 WHITE = 127.5  # half of the byte range: 0..255 becomes -1..1
 
 
-def fit_image(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Cut the middle square out of an image (H, W, 3) of any size and shrink it to 64 x 64.
+def fit_image(rgb: Rgb) -> SmallRgb:
+    """Cut the middle square out of an image and shrink it to 64 x 64.
 
     An image of that size passes through untouched: the network sees the bytes it was trained on.
     """
@@ -25,10 +27,10 @@ def fit_image(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return np.asarray(resized, dtype=np.uint8)
 
 
-def network_input(rgb: NDArray[np.uint8]) -> Tensor:
-    """Scale images with shape (B, 64, 64, 3) to a (B, 3, 64, 64) tensor in [-1, 1].
+def network_input(rgb: RgbStack) -> Float32[Tensor, "K 3 64 64"]:
+    """Scale images to a tensor in [-1, 1].
 
-    The memory stays in (B, H, W, C) order, which is torch's channels_last: nothing is transposed.
+    The memory stays in the bytes' order, which is torch's channels_last: nothing is transposed.
     Raises ValueError when the shape or the type is another.
     """
     if rgb.ndim != 4 or rgb.shape[1:] != (IMAGE_SIZE, IMAGE_SIZE, 3) or rgb.dtype != np.uint8:
@@ -36,13 +38,13 @@ def network_input(rgb: NDArray[np.uint8]) -> Tensor:
     return tensor_input(torch.from_numpy(np.ascontiguousarray(rgb)))
 
 
-def tensor_input(rgb: Tensor) -> Tensor:
-    """Scale a uint8 tensor with shape (B, 64, 64, 3), on whichever device it lies."""
+def tensor_input(rgb: UInt8[Tensor, "B 64 64 3"]) -> Float32[Tensor, "B 3 64 64"]:
+    """Scale a tensor of bytes, on whichever device it lies."""
     return rgb.permute(0, 3, 1, 2).to(torch.float32).div_(WHITE).sub_(1.0)
 
 
-def image_bytes(images: Tensor) -> NDArray[np.uint8]:
-    """Turn network images with shape (B, 3, 64, 64) back into bytes with shape (B, 64, 64, 3)."""
+def image_bytes(images: Float[Tensor, "K 3 64 64"]) -> RgbStack:
+    """Turn network images back into bytes."""
     scaled = images.detach().float().cpu().permute(0, 2, 3, 1).add(1.0).mul(WHITE)
-    rgb: NDArray[np.uint8] = scaled.round().clamp(0.0, 255.0).to(torch.uint8).numpy()
+    rgb: RgbStack = scaled.round().clamp(0.0, 255.0).to(torch.uint8).numpy()
     return rgb

@@ -1,21 +1,21 @@
 """The ensemble that flies: latent samples in, the posterior predictive out."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 
+from flightstack.arrays import Latents
 from flightstack.policy.network import PolicyStack
 from flightstack.policy.scales import VelocityRange
 from flightstack.records import ActionSamples
 
 
+@runtime_checkable
 class Policy(Protocol):
     """Anything that turns latent samples into the posterior predictive."""
 
-    def predict(self, z: NDArray[np.float32]) -> ActionSamples:
-        """Map latents (M, Z) to means and variances (N, M, 4) in m/s and rad/s."""
+    def predict(self, z: Latents) -> ActionSamples:
+        """Map latents to means and variances in m/s and rad/s."""
         ...
 
 
@@ -32,8 +32,8 @@ class PolicyEnsemble:
         self._offset, self._scale = velocity_range.offset, velocity_range.scale
         self._var_scale = self._scale**2 * variance_factor
 
-    def predict(self, z: NDArray[np.float32]) -> ActionSamples:
-        """Map latents (M, Z) to means and variances (N, M, 4) in m/s and rad/s."""
+    def predict(self, z: Latents) -> ActionSamples:
+        """Map latents to means and variances in m/s and rad/s."""
         with torch.inference_mode():
             mean, logvar = self._stack(torch.from_numpy(z))
             var = torch.exp(logvar).numpy()

@@ -14,6 +14,7 @@ import math
 from typing import NamedTuple
 
 import torch
+from jaxtyping import Float
 from torch import Generator, Tensor, nn
 
 from flightstack.policy.config import PolicyConfig
@@ -27,13 +28,13 @@ GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0  # its multiples, modulo 1, fill the unit 
 class Heads(NamedTuple):
     """What N members say of B latents with H heads each, in network units."""
 
-    mean: Tensor  # (N, B, H, 4)
-    logvar: Tensor  # (N, B, H, 4)
-    logweight: Tensor  # (N, B, H)
+    mean: Float[Tensor, "N B H 4"]
+    logvar: Float[Tensor, "N B H 4"]
+    logweight: Float[Tensor, "N B H"]
 
 
 class StackedLinear(nn.Module):
-    """N dense layers side by side: (N, B, I) or (B, I) to (N, B, O)."""
+    """N dense layers side by side."""
 
     def __init__(self, members: int, inputs: int, outputs: int, generator: Generator) -> None:
         super().__init__()
@@ -41,7 +42,7 @@ class StackedLinear(nn.Module):
         self.weight = _uniform((members, inputs, outputs), bound, generator)
         self.bias = _uniform((members, 1, outputs), bound, generator)
 
-    def forward(self, x: Tensor) -> Tensor:
+    def forward(self, x: Float[Tensor, "*N B I"]) -> Float[Tensor, "N B O"]:
         """Give every member its own input, or the same one to all."""
         members = self.weight.shape[0]
         return torch.baddbmm(self.bias, x.expand(members, *x.shape[-2:]), self.weight)
@@ -71,12 +72,14 @@ class PolicyStack(nn.Module):
         self.register_buffer("latent_mean", torch.zeros(latent_dims))
         self.register_buffer("latent_std", torch.ones(latent_dims))
 
-    def forward(self, z: Tensor, quantile: Tensor | None = None) -> tuple[Tensor, Tensor]:
-        """Map latents (N, B, Z) or (B, Z) to mean and log-variance, each (N, B, 4).
+    def forward(
+        self, z: Float[Tensor, "*N B Z"], quantile: Float[Tensor, " B"] | None = None
+    ) -> tuple[Float[Tensor, "N B 4"], Float[Tensor, "N B 4"]]:
+        """Map latents, of each policy or of all, to mean and log-variance.
 
         A deterministic policy claims the smallest log-variance that a probabilistic one can, until
         it is recalibrated. With mixture heads each latent sample follows one of them, by their
-        weights: the one at its `quantile` (B,) of the weights' sum; left out, the samples spread
+        weights: the one at its `quantile` of the weights' sum; left out, the samples spread
         evenly over [0, 1).
         """
         if self.mixture > 1:
@@ -86,7 +89,7 @@ class PolicyStack(nn.Module):
             return out, torch.full_like(out, LOGVAR_MIDDLE - LOGVAR_HALF)
         return out[..., : len(VELOCITIES)], _logvar(out[..., len(VELOCITIES) :])
 
-    def heads(self, z: Tensor) -> Heads:
+    def heads(self, z: Float[Tensor, "*N B Z"]) -> Heads:
         """Map latents to all heads of a probabilistic policy."""
         out = self._out(z)
         values = self.mixture * len(VELOCITIES)
@@ -98,12 +101,14 @@ class PolicyStack(nn.Module):
             logweight=torch.log_softmax(weights, dim=-1),
         )
 
-    def _out(self, z: Tensor) -> Tensor:
+    def _out(self, z: Float[Tensor, "*N B Z"]) -> Float[Tensor, "N B O"]:
         hidden = torch.relu(self.dense1((z - self.latent_mean) / self.latent_std))
         out: Tensor = self.out(torch.relu(self.dense2(hidden)))
         return out
 
-    def _follow(self, heads: Heads, quantile: Tensor | None) -> tuple[Tensor, Tensor]:
+    def _follow(
+        self, heads: Heads, quantile: Float[Tensor, " B"] | None
+    ) -> tuple[Float[Tensor, "N B 4"], Float[Tensor, "N B 4"]]:
         if quantile is None:
             steps = torch.arange(heads.mean.shape[1], device=heads.mean.device, dtype=torch.float64)
             quantile = ((steps + 0.5) * GOLDEN % 1.0).to(heads.mean.dtype)
@@ -114,13 +119,15 @@ class PolicyStack(nn.Module):
         return mean, logvar
 
 
-def mixture_nll(heads: Heads, target: Tensor) -> Tensor:
-    """Give the loss of mixture heads, (N, B), all velocities together, without its constant."""
+def mixture_nll(heads: Heads, target: Float[Tensor, "N B 4"]) -> Float[Tensor, "N B"]:
+    """Give the loss of mixture heads, all velocities together, without its constant."""
     nll = gaussian_nll(heads.mean, heads.logvar, target[..., None, :]).sum(dim=-1)
     return -torch.logsumexp(heads.logweight - nll, dim=-1)
 
 
-def gaussian_nll(mean: Tensor, logvar: Tensor, target: Tensor) -> Tensor:
+def gaussian_nll(
+    mean: Float[Tensor, "*any"], logvar: Float[Tensor, "*any"], target: Float[Tensor, "*#any"]
+) -> Float[Tensor, "*any"]:
     """Give the heteroscedastic loss (Kendall and Gal 2017), elementwise, without its constant."""
     return 0.5 * ((target - mean).square() * torch.exp(-logvar) + logvar)
 

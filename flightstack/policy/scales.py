@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flightstack.arrays import Labels, PerVelocity
 from flightstack.records import VELOCITIES
 
 
@@ -26,19 +26,19 @@ class VelocityRange:
             raise ValueError(f"VelocityRange: low {self.low} must lie below high {self.high}")
 
     @property
-    def offset(self) -> NDArray[np.float64]:
-        """The middle of each range, (4,)."""
+    def offset(self) -> PerVelocity:
+        """The middle of each range."""
         return np.asarray((np.array(self.high) + self.low) / 2.0)
 
     @property
-    def scale(self) -> NDArray[np.float64]:
-        """Half of each range's width, (4,)."""
+    def scale(self) -> PerVelocity:
+        """Half of each range's width."""
         return np.asarray((np.array(self.high) - self.low) / 2.0)
 
-    def encode(self, velocities: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Map velocities (K, 4) in m/s and rad/s to network units."""
+    def encode(self, velocities: Labels) -> Labels:
+        """Map velocities in m/s and rad/s to network units."""
         return np.asarray((velocities - self.offset) / self.scale, dtype=np.float32)
 
-    def clip(self, command: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Keep a command (4,) inside the ranges."""
+    def clip(self, command: PerVelocity) -> PerVelocity:
+        """Keep a command inside the ranges."""
         return np.clip(command, self.low, self.high)

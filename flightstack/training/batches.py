@@ -1,16 +1,19 @@
 """Fetch batches of images and labels, mirrored at random, from disk or from the accelerator."""
 
 from collections.abc import Iterator
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import torch
+from jaxtyping import Float32, Int64
 from numpy.typing import NDArray
 from torch import Generator, Tensor
 
+from flightstack.arrays import Labels, RgbStack
 from flightstack.perception.preprocessing import tensor_input
 
 
+@runtime_checkable
 class Images(Protocol):
     """What can be gathered from by indices: an array, or a dataset's shards."""
 
@@ -18,8 +21,8 @@ class Images(Protocol):
         """How many images there are."""
         ...
 
-    def __getitem__(self, at: NDArray[np.int64]) -> NDArray[np.uint8]:
-        """Images with shape (B, 64, 64, 3), in the order asked for."""
+    def __getitem__(self, at: NDArray[np.int64]) -> RgbStack:
+        """Images in the order of `at`."""
         ...
 
 
@@ -29,7 +32,7 @@ class ImageSource:
     def __init__(
         self,
         images: Images,
-        labels: NDArray[np.float32],  # (K, 4) scaled
+        labels: Labels,  # scaled
         device: torch.device,
     ) -> None:
         self._device = device
@@ -39,8 +42,10 @@ class ImageSource:
         if device.type != "cpu":
             self._resident = torch.from_numpy(images[np.arange(len(images))]).to(device)
 
-    def fetch(self, indices: NDArray[np.int64]) -> tuple[Tensor, Tensor]:
-        """Images (B, 3, 64, 64) in [-1, 1] and scaled labels (B, 4)."""
+    def fetch(
+        self, indices: Int64[NDArray[np.int64], " B"]
+    ) -> tuple[Float32[Tensor, "B 3 64 64"], Float32[Tensor, "B 4"]]:
+        """Images in [-1, 1] and scaled labels."""
         at = torch.from_numpy(indices).to(self._device)
         if self._resident is None:
             rgb = torch.from_numpy(self._images[indices])
@@ -59,8 +64,11 @@ def shuffled(
 
 
 def mirror(
-    images: Tensor, labels: Tensor, signs: Tensor, generator: Generator
-) -> tuple[Tensor, Tensor]:
+    images: Float32[Tensor, "B 3 H W"],
+    labels: Float32[Tensor, "B 4"],
+    signs: Float32[Tensor, "4"],
+    generator: Generator,
+) -> tuple[Float32[Tensor, "B 3 H W"], Float32[Tensor, "B 4"]]:
     """Flip half of the images left-right, and with them the labels whose sign is -1."""
     flip = torch.rand(len(images), generator=generator, device=images.device) < 0.5
     images = torch.where(flip[:, None, None, None], images.flip(3), images)

@@ -8,7 +8,7 @@ import pytest
 
 from tests.paths import ROOT
 
-HEAVY = ("torch", "pybullet", "cv2", "scipy", "pymavlink", "matplotlib", "pyarrow")
+HEAVY = ("torch", "pybullet", "cv2", "scipy", "pymavlink", "matplotlib", "pyarrow", "jaxtyping")
 COMMANDS = (
     *("sitl", "flightstack.companion", "flightstack.launch"),
     *("flightstack.training", "flightstack.evaluation", "flightstack.logs"),

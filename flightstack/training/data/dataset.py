@@ -7,17 +7,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float32, UInt8
 from numpy.typing import NDArray
 
+from flightstack.arrays import RgbStack
 from flightstack.errors import UsageError
 from flightstack.training.data.manifest import MANIFEST
 from flightstack.training.data.shards import read_shard
 
 
 class ShardedImages:
-    """All images of a dataset as one array of shape (K, 64, 64, 3), read from the shards' maps."""
+    """All images of a dataset as one array, read from the shards' maps."""
 
-    def __init__(self, parts: list[NDArray[np.uint8]]) -> None:
+    def __init__(self, parts: list[UInt8[NDArray[np.uint8], "_ 64 64 3"]]) -> None:
         self.parts = parts
         self._starts = np.cumsum([0] + [len(part) for part in parts])
 
@@ -30,8 +32,8 @@ class ShardedImages:
         """The shape of the whole."""
         return (len(self), *self.parts[0].shape[1:])
 
-    def __getitem__(self, indices: NDArray[np.integer[Any]] | slice) -> NDArray[np.uint8]:
-        """Gather images by an index array or a slice, in the order asked for."""
+    def __getitem__(self, indices: NDArray[np.integer[Any]] | slice) -> RgbStack:
+        """Gather images by an index array or a slice, in their order."""
         if isinstance(indices, slice):
             indices = np.arange(*indices.indices(len(self)))
         owners = np.searchsorted(self._starts, indices, side="right") - 1
@@ -47,8 +49,8 @@ class Dataset:
     """A finished dataset, opened for reading."""
 
     folder: Path
-    images: ShardedImages  # (K, 64, 64, 3) uint8 RGB
-    labels: NDArray[np.float32]  # (K, L)
+    images: ShardedImages
+    labels: Float32[NDArray[np.float32], "K L"]
     label_names: tuple[str, ...]
     splits: dict[str, NDArray[np.int64]]  # indices of each split
     sha256: str

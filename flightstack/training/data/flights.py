@@ -8,8 +8,8 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flightstack.arrays import Labels, PerVelocity, RgbStack, SmallRgb
 from flightstack.errors import UsageError
 from flightstack.frames import ned_from_body
 from flightstack.records import VELOCITIES
@@ -34,7 +34,7 @@ from sitl import (
 
 MEASURED_EVERY = 10  # images: half a second apart, so that few images tell of many tracks
 START_SPEED_M_S = (0.0, 2.0)  # of a flight that starts before a gate
-Pilot = Callable[[NDArray[np.uint8]], NDArray[np.float64]]
+Pilot = Callable[[SmallRgb], PerVelocity]
 
 
 def fly(
@@ -44,8 +44,8 @@ def fly(
     tracks: range = TRAINING_TRACKS,
     pilot: Pilot | None = None,
     every: int = 1,
-) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-    """Fly once; images (K, 64, 64, 3) and the expert's commands (K, 4) along the way.
+) -> tuple[RgbStack, Labels]:
+    """Fly once; images and the expert's commands along the way.
 
     With a `pilot` the vehicle follows it instead, and the expert only labels (DAgger). Without one,
     only every `every`-th image is rendered and kept; a pilot sees them all.
@@ -73,8 +73,8 @@ def fly(
 
 def fly_until(
     rng: np.random.Generator, recipe: FlightRecipe, *, tracks: range, images: int
-) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-    """Fly what models are measured on: images (K, 64, 64, 3) and the expert's commands (K, 4).
+) -> tuple[RgbStack, Labels]:
+    """Fly what models are measured on: images and the expert's commands.
 
     Raises UsageError for fewer than one image.
     """
@@ -102,12 +102,12 @@ def _record(
     recipe: FlightRecipe,
     pilot: Pilot | None,
     every: int,
-) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+) -> tuple[RgbStack, Labels]:
     gates = simulation.course_gates
     expert = _make_expert(recipe.expert)
     noise = _Disturbance(rng, recipe)
-    images: list[NDArray[np.uint8]] = []
-    labels: list[NDArray[np.float64]] = []
+    images: list[SmallRgb] = []
+    labels: list[PerVelocity] = []
     simulation.image_due()
     while len(labels) < recipe.frames and simulation.course.state is CourseState.ACTIVE:
         if len(labels) % every == 0:
@@ -168,7 +168,7 @@ class _Disturbance:
         self._decay = math.exp(-1.0 / (CAMERA_RATE_HZ * recipe.noise_time_constant_s))
         self._value = self._std * rng.standard_normal(4)
 
-    def draw(self) -> NDArray[np.float64]:
+    def draw(self) -> PerVelocity:
         """Advance by one image."""
         kick = self._std * math.sqrt(1.0 - self._decay**2)
         self._value = self._decay * self._value + kick * self._rng.standard_normal(4)
@@ -179,7 +179,7 @@ def _make_expert(name: str) -> Expert:
     return MinimumJerkExpert() if name == "minimum-jerk" else FunnelExpert()
 
 
-def _command(simulation: Simulation, command: NDArray[np.float64]) -> None:
+def _command(simulation: Simulation, command: PerVelocity) -> None:
     yaw_rad = yaw_of(simulation.state.q_ned_frd)
     vx, vy, vz, yaw_rate = (float(value) for value in command)
     simulation.autopilot.offboard_setpoint(

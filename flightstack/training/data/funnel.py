@@ -9,20 +9,21 @@ nose points at the gate, and over the last metres turns to the one after it.
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flightstack.arrays import PerVelocity
 from flightstack.frames import body_from_ned, wrap_pi
 from sitl import Gate, Vector3, VehicleState, yaw_of
 
 
+@runtime_checkable
 class Expert(Protocol):
     """A pilot that knows where the gates are."""
 
-    def command(self, state: VehicleState, gate: Gate, following: Gate) -> NDArray[np.float64]:
-        """Command (4,) for a state: vx, vy, vz (m/s, yaw-aligned body), yaw rate (rad/s)."""
+    def command(self, state: VehicleState, gate: Gate, following: Gate) -> PerVelocity:
+        """Command for a state: vx, vy, vz (m/s, yaw-aligned body), yaw rate (rad/s)."""
         ...
 
 
@@ -48,16 +49,16 @@ class FunnelExpert:
     def __init__(self, config: ExpertConfig | None = None) -> None:
         self._config = config or ExpertConfig()
 
-    def command(self, state: VehicleState, gate: Gate, following: Gate) -> NDArray[np.float64]:
-        """Command (4,) for where the vehicle is."""
+    def command(self, state: VehicleState, gate: Gate, following: Gate) -> PerVelocity:
+        """Command for where the vehicle is."""
         yaw_rad = yaw_of(state.q_ned_frd)
         return expert_command(state.position_ned, yaw_rad, gate, following, self._config)
 
 
 def expert_command(
     position_ned: Vector3, yaw_rad: float, gate: Gate, following: Gate, config: ExpertConfig
-) -> NDArray[np.float64]:
-    """Command (4,) for a pose: vx, vy, vz (m/s, yaw-aligned body frame), yaw rate (rad/s)."""
+) -> PerVelocity:
+    """Command for a pose: vx, vy, vz (m/s, yaw-aligned body frame), yaw rate (rad/s)."""
     axis_n, axis_e = math.cos(gate.yaw_rad), math.sin(gate.yaw_rad)
     north, east, down = (c - p for c, p in zip(gate.centre_ned, position_ned, strict=True))
     ahead = axis_n * north + axis_e * east  # m to go along the axis

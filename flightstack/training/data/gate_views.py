@@ -8,8 +8,10 @@ import math
 
 import cv2
 import numpy as np
+from jaxtyping import Float32
 from numpy.typing import NDArray
 
+from flightstack.arrays import SmallRgb
 from flightstack.training.recipe import ViewRecipe
 from sitl import (
     Camera,
@@ -43,8 +45,8 @@ class ViewRenderer:
         """Free the renderer."""
         self._camera.close()
 
-    def draw(self, rng: np.random.Generator) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-        """One image (64, 64, 3) and its label (4,)."""
+    def draw(self, rng: np.random.Generator) -> tuple[SmallRgb, Float32[NDArray[np.float32], "4"]]:
+        """One image and its label."""
         recipe = self._recipe
         height_m = float(rng.uniform(*recipe.height_m))
         attitude = quaternion_from_euler(
@@ -97,7 +99,7 @@ class ViewRenderer:
                 yaw = float(rng.uniform(-math.pi, math.pi))
                 return Gate(index=0, centre_ned=centre, yaw_rad=yaw)
 
-    def _spoil(self, rng: np.random.Generator, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    def _spoil(self, rng: np.random.Generator, image: SmallRgb) -> SmallRgb:
         """Blur and add sensor noise to a share of the images."""
         recipe = self._recipe
         if rng.random() < recipe.blur_share:

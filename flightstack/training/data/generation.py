@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
-from numpy.typing import NDArray
 
+from flightstack.arrays import Labels, RgbStack
 from flightstack.perception.labels import LABELS
 from flightstack.records import VELOCITIES
 from flightstack.training.data.flights import fly
@@ -49,7 +49,7 @@ class ShardPlan:
         return f"{self.split}-{self.index:05d}"
 
 
-Make = Callable[[ShardPlan], tuple[NDArray[np.uint8], NDArray[np.float32]]]
+Make = Callable[[ShardPlan], tuple[RgbStack, Labels]]
 
 
 def describe(
@@ -144,9 +144,7 @@ def _make_shard(folder: Path, plan: ShardPlan, make: Make, settings_sha256: str)
     return plan.count
 
 
-def _make_views(
-    plan: ShardPlan, recipe: Recipe, seed: int
-) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+def _make_views(plan: ShardPlan, recipe: Recipe, seed: int) -> tuple[RgbStack, Labels]:
     rng = np.random.default_rng([seed, SPLITS[plan.split], plan.index])
     renderer = ViewRenderer(recipe.views)
     try:
@@ -158,7 +156,7 @@ def _make_views(
 
 def _make_flights(
     plan: ShardPlan, recipe: Recipe, seed: int, piloting: Piloting | None
-) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+) -> tuple[RgbStack, Labels]:
     rng = np.random.default_rng([seed, SPLITS[plan.split], plan.index])
     model = None if piloting is None else piloting.load(seed=int(rng.integers(2**31)))
     images, labels, count = [], [], 0

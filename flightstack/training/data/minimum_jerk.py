@@ -15,8 +15,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float64
 from numpy.typing import NDArray
 
+from flightstack.arrays import PerVelocity
 from flightstack.frames import body_from_ned, wrap_pi
 from sitl import Gate, VehicleState, yaw_of
 
@@ -35,14 +37,14 @@ CHECKED_POINTS = np.linspace(0.0, 1.0, 41)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Segment:
-    """A quintic from `start_us` on; coefficients (6, 3) of t^0 .. t^5, metres NED."""
+    """A quintic from `start_us` on; coefficients of t^0 .. t^5, metres NED."""
 
     start_us: int
     duration_s: float
-    coefficients: NDArray[np.float64]
+    coefficients: Float64[NDArray[np.float64], "6 3"]
 
-    def at(self, time_s: float, derivative: int = 0) -> NDArray[np.float64]:
-        """Position (3,), or one of its derivatives, at a time since the start, ends held."""
+    def at(self, time_s: float, derivative: int = 0) -> Float64[NDArray[np.float64], "3"]:
+        """Position, or one of its derivatives, at a time since the start, ends held."""
         t = min(max(time_s, 0.0), self.duration_s)
         coefficients = self.coefficients
         for _ in range(derivative):
@@ -57,8 +59,8 @@ class MinimumJerkExpert:
         self._segment: Segment | None = None
         self._target: Gate | None = None
 
-    def command(self, state: VehicleState, gate: Gate, following: Gate) -> NDArray[np.float64]:
-        """Command (4,) that keeps the vehicle on its segment."""
+    def command(self, state: VehicleState, gate: Gate, following: Gate) -> PerVelocity:
+        """Command that keeps the vehicle on its segment."""
         near = math.dist(state.position_ned, gate.centre_ned) < REPLAN_DISTANCE_M
         target = following if near else gate
         if self._segment is None or (self._target is not target and self._target is not following):

@@ -4,9 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-import numpy as np
-from numpy.typing import NDArray
-
+from flightstack.arrays import PerVelocity, SmallRgb
 from flightstack.errors import UsageError
 from flightstack.records import Image
 from flightstack.training.data.flights import Pilot
@@ -56,7 +54,7 @@ class Piloting:
 
         pipeline = load_pipeline(str(self.folder), seed=seed)
 
-        def decide(rgb: NDArray[np.uint8]) -> NDArray[np.float64]:
+        def decide(rgb: SmallRgb) -> PerVelocity:
             return pipeline.decide(Image(stamp_us=0, sequence=0, rgb=rgb)).command
 
         return decide

@@ -12,8 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float32
 from numpy.typing import NDArray
 
+from flightstack.arrays import RgbStack
 from flightstack.errors import UsageError
 from flightstack.files import write_whole
 
@@ -45,8 +47,8 @@ def write_shard(
     folder: Path,
     name: str,
     split: str,
-    images: NDArray[np.uint8],
-    labels: NDArray[np.float32],
+    images: RgbStack,
+    labels: Float32[NDArray[np.float32], "K L"],
     *,
     settings_sha256: str,
 ) -> None:
@@ -78,7 +80,7 @@ def read_sidecar(folder: Path, name: str) -> Shard:
 
 def read_shard(
     folder: Path, name: str, label_names: tuple[str, ...]
-) -> tuple[Shard, NDArray[np.uint8], NDArray[np.float32]]:
+) -> tuple[Shard, RgbStack, Float32[NDArray[np.float32], "K L"]]:
     """Open a shard's images and labels; raises UsageError where they are damaged or implausible."""
     shard, path = read_sidecar(folder, name), folder / name
     images, labels = (_open(folder, name, kind) for kind in ("images", "labels"))

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flightstack import models
+from flightstack.arrays import PerImage, RgbStack
 from flightstack.models import Model
 from flightstack.perception.posterior import make_posterior
 from flightstack.policy.ensemble import PolicyEnsemble
@@ -33,8 +33,8 @@ VALIDATION_FLIGHTS = 5  # enters the seed, where data and evaluation have 1 to 4
 class Labelled:
     """Images of flights and what the expert commanded."""
 
-    images: NDArray[np.uint8]  # (K, 64, 64, 3)
-    commands: NDArray[np.float64]  # (K, 4) m/s, rad/s
+    images: RgbStack
+    commands: PerImage  # m/s, rad/s
 
     @classmethod
     def flown(cls, recipe: str, *, images: int, seed: int) -> Self:

@@ -1,6 +1,7 @@
 """Latent samples of a whole dataset: the trunk once an image, the head as often as wanted."""
 
 import torch
+from jaxtyping import Float32
 from torch import Generator, Tensor
 
 from flightstack.perception.cmvae import sample_normal
@@ -27,8 +28,8 @@ class LatentSource:
                 rgb = torch.from_numpy(images[at.numpy()]).to(device)
                 self.features[at] = encoder.trunk(tensor_input(rgb))
 
-    def draw(self, generator: Generator) -> Tensor:
-        """Draw one latent sample for every image: (K, Z)."""
+    def draw(self, generator: Generator) -> Float32[Tensor, "K Z"]:
+        """Draw one latent sample for every image."""
         with torch.inference_mode():
             starts = range(0, len(self.features), HEAD_BATCH)
             parts = [self._pass(self.features[k : k + HEAD_BATCH], generator) for k in starts]

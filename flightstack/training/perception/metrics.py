@@ -5,8 +5,10 @@ from typing import Any
 
 import numpy as np
 import torch
+from jaxtyping import Float32, Int64
 from numpy.typing import NDArray
 
+from flightstack.arrays import Labels
 from flightstack.perception.cmvae import CmVae, kl_to_standard_normal
 from flightstack.perception.labels import LABELS, RANGE, LabelScale
 from flightstack.training.batches import ImageSource
@@ -93,10 +95,10 @@ class PerceptionMetrics:
 def measure_perception(
     model: CmVae,
     source: ImageSource,
-    indices: NDArray[np.int64],
-    labels: NDArray[np.float32],  # (K, 4) physical, of those indices
+    indices: Int64[NDArray[np.int64], " K"],
+    labels: Labels,  # physical, of those indices
     scale: LabelScale,
-    constant: NDArray[np.float32],  # (4,) physical, what the constant predictor says
+    constant: Float32[NDArray[np.float32], "4"],  # physical, what the constant predictor says
 ) -> PerceptionMetrics:
     """Encode the images at `indices` and compare with their labels."""
     model.eval()

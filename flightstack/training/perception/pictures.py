@@ -5,6 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import torch
+from jaxtyping import Float32, UInt8
 from numpy.typing import NDArray
 from torch import Tensor
 
@@ -15,15 +16,15 @@ ZOOM = 2
 TRAVERSAL = np.linspace(-2.5, 2.5, 11)  # standard deviations of the prior
 
 
-def write_reconstructions(model: CmVae, images: Tensor, path: Path) -> None:
-    """Write the images (B, 3, 64, 64) above what the decoder makes of their latent mean."""
+def write_reconstructions(model: CmVae, images: Float32[Tensor, "B 3 64 64"], path: Path) -> None:
+    """Write the images above what the decoder makes of their latent mean."""
     with torch.inference_mode():
         mean, _ = model.encoder(images)
         rebuilt = model.image_decoder(mean)
     _write(np.stack([image_bytes(images), image_bytes(rebuilt)]), path)
 
 
-def write_traversals(model: CmVae, images: Tensor, path: Path) -> None:
+def write_traversals(model: CmVae, images: Float32[Tensor, "B 3 64 64"], path: Path) -> None:
     """Write one row a latent dimension: the first image's latent with that dimension swept."""
     with torch.inference_mode():
         mean, _ = model.encoder(images[:1])
@@ -36,8 +37,8 @@ def write_traversals(model: CmVae, images: Tensor, path: Path) -> None:
     _write(rebuilt.reshape(dims, steps, *rebuilt.shape[1:]), path)
 
 
-def _write(grid: NDArray[np.uint8], path: Path) -> None:
-    """Write a grid (rows, columns, H, W, 3) as one picture."""
+def _write(grid: UInt8[NDArray[np.uint8], "rows columns H W 3"], path: Path) -> None:
+    """Write a grid of images as one picture."""
     rows, columns, height, width, _ = grid.shape
     sheet = grid.transpose(0, 2, 1, 3, 4).reshape(rows * height, columns * width, 3)
     sheet = sheet.repeat(ZOOM, axis=0).repeat(ZOOM, axis=1)

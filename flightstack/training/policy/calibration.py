@@ -11,10 +11,12 @@ scaling the predicted deviation.
 """
 
 import numpy as np
+from jaxtyping import Float64
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import ndtr
 
+from flightstack.arrays import PerComponent, PerImage
 from flightstack.records import VELOCITIES
 
 INTERVAL = 0.90  # central
@@ -23,19 +25,17 @@ MAX_LOG_FACTOR = np.log(1000.0)
 
 
 def coverage(
-    mean: NDArray[np.float64], var: NDArray[np.float64], target: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Share of targets (K, ...) inside the central interval of the mixture of (S, K, ...)."""
+    mean: Float64[NDArray[np.float64], "S K *V"],
+    var: Float64[NDArray[np.float64], "S K *V"],
+    target: Float64[NDArray[np.float64], " K *V"],
+) -> Float64[NDArray[np.float64], "*V"]:
+    """Share of targets inside the central interval of their mixtures, of one velocity or of all."""
     below = ndtr((target - mean) / np.sqrt(var)).mean(axis=0)
     tail = (1.0 - INTERVAL) / 2.0
     return np.asarray(((below > tail) & (below < 1.0 - tail)).mean(axis=0))
 
 
-def variance_factor(
-    mean: NDArray[np.float64],  # (S, K, 4): S = N M components for each of K images
-    var: NDArray[np.float64],  # (S, K, 4)
-    target: NDArray[np.float64],  # (K, 4)
-) -> tuple[float, ...]:
+def variance_factor(mean: PerComponent, var: PerComponent, target: PerImage) -> tuple[float, ...]:
     """Fit the factor of each velocity, 1 where none is needed: (4,)."""
     covered = coverage(mean, var, target)
     low, high = GOOD_COVERAGE
@@ -45,7 +45,11 @@ def variance_factor(
     )
 
 
-def _fit(mean: NDArray[np.float64], var: NDArray[np.float64], target: NDArray[np.float64]) -> float:
+def _fit(
+    mean: Float64[NDArray[np.float64], "S K"],
+    var: Float64[NDArray[np.float64], "S K"],
+    target: Float64[NDArray[np.float64], " K"],
+) -> float:
     """Find the factor that covers INTERVAL, or come as close as the bounds allow."""
 
     def excess(log_factor: float) -> float:

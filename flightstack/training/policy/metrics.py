@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from flightstack.arrays import PerComponent, PerImage, PerVelocity
 from flightstack.records import VELOCITIES
 from flightstack.training.errors import TrainingError
 from flightstack.training.policy.calibration import INTERVAL, coverage, variance_factor
@@ -55,12 +56,12 @@ class PolicyMetrics:
 
 
 def measure_policy(
-    mean: NDArray[np.float64],  # (S, K, 4): S = N M components for each of K images, m/s, rad/s
-    var: NDArray[np.float64],  # (S, K, 4)
-    target: NDArray[np.float64],  # (K, 4)
+    mean: PerComponent,  # m/s, rad/s
+    var: PerComponent,
+    target: PerImage,
     *,
     members: int,
-    constant: NDArray[np.float64],  # (4,)
+    constant: PerVelocity,
 ) -> PolicyMetrics:
     """Compare mixtures of S Gaussians, member by member in the first axis, with the labels.
 

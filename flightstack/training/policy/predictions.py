@@ -5,6 +5,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Generator
 
+from flightstack.arrays import PerComponent
 from flightstack.policy.network import GOLDEN, PolicyStack
 from flightstack.policy.scales import VelocityRange
 from flightstack.training.perception.latents import LatentSource
@@ -20,8 +21,8 @@ def predict(
     *,
     generator: Generator,
     samples: int = SAMPLES,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Means and variances (N M, K, 4) in m/s and rad/s for the images at `at`, member by member."""
+) -> tuple[PerComponent, PerComponent]:
+    """Means and variances in m/s and rad/s for the images at `at`, member by member."""
     rows = torch.from_numpy(at).to(latents.features.device)
     means, variances = [], []
     with torch.inference_mode():
@@ -37,7 +38,7 @@ def predict(
 
 def components(
     parts: list[NDArray[np.float32]] | list[NDArray[np.float64]], *, axis: int
-) -> NDArray[np.float64]:
+) -> PerComponent:
     """Join M arrays (N, K, 4) in axis 1, or K of (N, M, 4) in axis 2, to (N M, K, 4)."""
     joined = np.stack(parts, axis=axis).astype(np.float64)  # (N, M, K, 4)
     return joined.reshape(-1, *joined.shape[2:])

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from jaxtyping import Float32, Int64
 from numpy.typing import NDArray
 from torch import Tensor
 
@@ -112,8 +113,10 @@ class PolicyTrainer:
             constant=self.labels[self.train].mean(axis=0, dtype=np.float64),
         )
 
-    def _loss(self, z: Tensor, targets: Tensor) -> Tensor:
-        """Sum over members and velocities, mean over the batch: (N, B, Z) and (N, B, 4)."""
+    def _loss(
+        self, z: Float32[Tensor, "N B Z"], targets: Float32[Tensor, "N B 4"]
+    ) -> Float32[Tensor, ""]:
+        """Sum over members and velocities, mean over the batch."""
         if self.settings.mixture > 1:
             joint: Tensor = mixture_nll(self.stack.heads(z), targets).mean(dim=1).sum()
             return joint
@@ -125,8 +128,8 @@ class PolicyTrainer:
         total: Tensor = errors.mean(dim=1).sum()
         return total
 
-    def _order(self, number: int) -> NDArray[np.int64]:
-        """Every member's own order of its own data, (N, K)."""
+    def _order(self, number: int) -> Int64[NDArray[np.int64], "N K"]:
+        """Every member's own order of its own data."""
         seed, members = self.settings.seed, range(self.settings.members)
         own = [self.train] * len(members)
         if self.settings.bootstrap:
