@@ -20,6 +20,7 @@ from torch import Generator, Tensor, nn
 from flightstack.perception.decoders import GatePoseDecoder, ImageDecoder
 from flightstack.perception.dronet import Dronet
 from flightstack.perception.labels import LABELS
+from flightstack.perception.tensors import Alike, ImageTensor
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,7 +58,7 @@ class CmVae(nn.Module):
 
     def loss_terms(
         self,
-        images: Float[Tensor, "B 3 64 64"],
+        images: ImageTensor,
         labels: Float[Tensor, "B 4"],
         *,
         generator: Generator,
@@ -79,16 +80,12 @@ class CmVae(nn.Module):
         )
 
 
-def kl_to_standard_normal(
-    mean: Float[Tensor, "*any"], logvar: Float[Tensor, "*any"]
-) -> Float[Tensor, "*any"]:
+def kl_to_standard_normal(mean: Alike, logvar: Alike) -> Alike:
     """KL( N(mean, exp(logvar)) || N(0, 1) ) elementwise, in nats (Kingma and Welling 2014)."""
     return 0.5 * (mean.square() + logvar.exp() - 1.0 - logvar)
 
 
-def sample_normal(
-    mean: Float[Tensor, "*any"], logvar: Float[Tensor, "*any"], generator: Generator
-) -> Float[Tensor, "*any"]:
+def sample_normal(mean: Alike, logvar: Alike, generator: Generator) -> Alike:
     """Draw one sample from each N(mean, exp(logvar))."""
     noise = torch.randn(mean.shape, generator=generator, device=mean.device, dtype=mean.dtype)
     return mean + noise * torch.exp(0.5 * logvar)

@@ -8,6 +8,8 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from flightstack.perception.tensors import ImageTensor, LatentTensor
+
 
 class PointToMap(nn.ConvTranspose2d):
     """A transposed convolution of a 1x1 map, which is one matrix product and so much faster."""
@@ -46,7 +48,7 @@ class ImageDecoder(nn.Module):
             nn.Tanh(),
         )
 
-    def forward(self, z: Float[Tensor, "B Z"]) -> Float[Tensor, "B 3 64 64"]:
+    def forward(self, z: LatentTensor) -> ImageTensor:
         """Reconstruct the image."""
         image: Tensor = self.maps(torch.relu(self.dense(z)))
         return image
@@ -64,6 +66,6 @@ class GatePoseDecoder(nn.Module):
             for _ in range(labels)
         )
 
-    def forward(self, z: Float[Tensor, "B Z"]) -> Float[Tensor, "B L"]:
+    def forward(self, z: LatentTensor) -> Float[Tensor, "B L"]:
         """Read each label from its own dimension."""
         return torch.cat([head(z[:, k : k + 1]) for k, head in enumerate(self.heads)], dim=1)

@@ -8,8 +8,16 @@ References:
 """
 
 import torch
-from jaxtyping import Float
 from torch import Generator, Tensor, nn
+
+from flightstack.perception.tensors import (
+    Alike,
+    FeatureTensor,
+    HalvedMaps,
+    ImageTensor,
+    LatentTensor,
+    MapTensor,
+)
 
 FEATURES = 512  # what the trunk hands to the head: 2 x 2 x 128
 LOGVAR_RANGE = (-12.0, 6.0)  # keeps exp() finite however wrong the weights are
@@ -26,7 +34,7 @@ class ResidualBlock(nn.Module):
         self.conv2 = nn.Conv2d(channels_out, channels_out, 3, padding=1)
         self.shortcut = nn.Conv2d(channels_in, channels_out, 1, stride=2)
 
-    def forward(self, x: Float[Tensor, "B C H W"]) -> Float[Tensor, "B c h w"]:
+    def forward(self, x: MapTensor) -> HalvedMaps:
         """Map to half the height and width."""
         inner = self.conv1(torch.relu(self.norm1(x)))
         inner = self.conv2(torch.relu(self.norm2(inner)))
@@ -45,7 +53,7 @@ class Trunk(nn.Module):
             ResidualBlock(32, 32), ResidualBlock(32, 64), ResidualBlock(64, 128)
         )
 
-    def forward(self, images: Float[Tensor, "B 3 64 64"]) -> Float[Tensor, "B 512"]:
+    def forward(self, images: ImageTensor) -> FeatureTensor:
         """Map images in [-1, 1] to features."""
         maps = self.blocks(self.pool(self.conv(images)))
         return torch.relu(maps.flatten(1))
@@ -61,9 +69,7 @@ class Head(nn.Module):
         self.dense2 = nn.Linear(64, 32)
         self.out = nn.Linear(32, 2 * latent_dims)
 
-    def forward(
-        self, features: Float[Tensor, "B 512"]
-    ) -> tuple[Float[Tensor, "B Z"], Float[Tensor, "B Z"]]:
+    def forward(self, features: FeatureTensor) -> tuple[LatentTensor, LatentTensor]:
         """Map features, masked or not, to mean and log-variance."""
         hidden = torch.relu(self.dense1(features))
         hidden = torch.relu(self.dense2(hidden))
@@ -82,8 +88,8 @@ class Dronet(nn.Module):
         self.head = Head(latent_dims)
 
     def forward(
-        self, images: Float[Tensor, "B 3 64 64"], generator: Generator | None = None
-    ) -> tuple[Float[Tensor, "B Z"], Float[Tensor, "B Z"]]:
+        self, images: ImageTensor, generator: Generator | None = None
+    ) -> tuple[LatentTensor, LatentTensor]:
         """Encode images; with a generator each image gets a dropout mask of its own."""
         features = self.trunk(images)
         if generator is not None and self.dropout > 0.0:
@@ -92,9 +98,7 @@ class Dronet(nn.Module):
         return mean, logvar
 
 
-def dropout_mask(
-    like: Float[Tensor, "*any"], rate: float, generator: Generator
-) -> Float[Tensor, "*any"]:
+def dropout_mask(like: Alike, rate: float, generator: Generator) -> Alike:
     """Draw 0 with probability `rate` and 1 / (1 - rate) otherwise, shaped like `like`."""
     kept = torch.rand(like.shape, generator=generator, device=like.device) >= rate
     return kept.to(like.dtype).div_(1.0 - rate)

@@ -14,6 +14,7 @@ from torch.nn import functional
 from torch.nn.utils.fusion import fuse_conv_bn_eval
 
 from flightstack.perception.dronet import ResidualBlock, Trunk
+from flightstack.perception.tensors import FeatureTensor, HalvedMaps, ImageTensor, MapTensor
 
 
 class Convolution(NamedTuple):
@@ -46,7 +47,7 @@ class Block(NamedTuple):
             Convolution.of(block.shortcut),
         )
 
-    def __call__(self, maps: Float[Tensor, "B C H W"]) -> Float[Tensor, "B c h w"]:
+    def __call__(self, maps: MapTensor) -> HalvedMaps:
         """Map to half the height and width."""
         norm = self.norm1
         inner = functional.batch_norm(
@@ -67,7 +68,7 @@ class FlightTrunk:
             Block.of(block) for block in trunk.blocks if isinstance(block, ResidualBlock)
         ]
 
-    def __call__(self, images: Float[Tensor, "B 3 64 64"]) -> Float[Tensor, "B 512"]:
+    def __call__(self, images: ImageTensor) -> FeatureTensor:
         """Map images in [-1, 1] to features."""
         maps = torch.max_pool2d(torch.conv2d(images, *self._first, stride=2, padding=2), 2)
         for block in self._blocks:

@@ -24,6 +24,9 @@ LOGVAR_MIDDLE, LOGVAR_HALF = -5.0, 5.0  # network units: sigma from 0.7 % to 100
 
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0  # its multiples, modulo 1, fill the unit interval evenly
 
+VelocityTensor = Float[Tensor, "N B 4"]  # of N members
+Alike = Float[Tensor, "*alike"]  # any shape, the same for all that are called so
+
 
 class Heads(NamedTuple):
     """What N members say of B latents with H heads each, in network units."""
@@ -74,7 +77,7 @@ class PolicyStack(nn.Module):
 
     def forward(
         self, z: Float[Tensor, "*N B Z"], quantile: Float[Tensor, " B"] | None = None
-    ) -> tuple[Float[Tensor, "N B 4"], Float[Tensor, "N B 4"]]:
+    ) -> tuple[VelocityTensor, VelocityTensor]:
         """Map latents, of each policy or of all, to mean and log-variance.
 
         A deterministic policy claims the smallest log-variance that a probabilistic one can, until
@@ -107,8 +110,8 @@ class PolicyStack(nn.Module):
         return out
 
     def _follow(
-        self, heads: Heads, quantile: Float[Tensor, " B"] | None
-    ) -> tuple[Float[Tensor, "N B 4"], Float[Tensor, "N B 4"]]:
+        self, heads: Heads, quantile: Tensor | None
+    ) -> tuple[VelocityTensor, VelocityTensor]:
         if quantile is None:
             steps = torch.arange(heads.mean.shape[1], device=heads.mean.device, dtype=torch.float64)
             quantile = ((steps + 0.5) * GOLDEN % 1.0).to(heads.mean.dtype)
@@ -119,15 +122,13 @@ class PolicyStack(nn.Module):
         return mean, logvar
 
 
-def mixture_nll(heads: Heads, target: Float[Tensor, "N B 4"]) -> Float[Tensor, "N B"]:
+def mixture_nll(heads: Heads, target: VelocityTensor) -> Float[Tensor, "N B"]:
     """Give the loss of mixture heads, all velocities together, without its constant."""
     nll = gaussian_nll(heads.mean, heads.logvar, target[..., None, :]).sum(dim=-1)
     return -torch.logsumexp(heads.logweight - nll, dim=-1)
 
 
-def gaussian_nll(
-    mean: Float[Tensor, "*any"], logvar: Float[Tensor, "*any"], target: Float[Tensor, "*#any"]
-) -> Float[Tensor, "*any"]:
+def gaussian_nll(mean: Alike, logvar: Alike, target: Float[Tensor, "*#alike"]) -> Alike:
     """Give the heteroscedastic loss (Kendall and Gal 2017), elementwise, without its constant."""
     return 0.5 * ((target - mean).square() * torch.exp(-logvar) + logvar)
 

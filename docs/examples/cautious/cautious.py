@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flightstack.arrays import Latents, SmallRgb
 from flightstack.decision.strategies import make_strategy
 from flightstack.models import Model
 from flightstack.perception.posterior import make_posterior
@@ -36,10 +36,10 @@ class SteadyPerception:
 
     def __init__(self, *, model: Model, seed: int) -> None:
         self._posterior = make_posterior(model.config.perception, model.encoder, seed=seed)
-        self._last: NDArray[np.float32] | None = None
+        self._last: Latents | None = None
 
-    def sample(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
-        """Map one image (64, 64, 3) to latent samples (M, Z)."""
+    def sample(self, rgb: SmallRgb) -> Latents:
+        """Map one image to latent samples."""
         now = self._posterior.sample(rgb)
         before = now if self._last is None else self._last
         self._last = now
@@ -55,7 +55,7 @@ class HumblePolicy:
             model.policies, config.velocity_range, config.variance_factor
         )
 
-    def predict(self, z: NDArray[np.float32]) -> ActionSamples:
-        """Map latents (M, Z) to means and variances (N, M, 4)."""
+    def predict(self, z: Latents) -> ActionSamples:
+        """Map latents to means and variances."""
         samples = self._ensemble.predict(z)
         return ActionSamples(mean=samples.mean, var=2.0 * samples.var)

@@ -5,18 +5,18 @@ from pathlib import Path
 import cv2
 import numpy as np
 import torch
-from jaxtyping import Float32, UInt8
+from jaxtyping import UInt8
 from numpy.typing import NDArray
-from torch import Tensor
 
 from flightstack.perception.cmvae import CmVae
 from flightstack.perception.preprocessing import image_bytes
+from flightstack.perception.tensors import ImageTensor
 
 ZOOM = 2
 TRAVERSAL = np.linspace(-2.5, 2.5, 11)  # standard deviations of the prior
 
 
-def write_reconstructions(model: CmVae, images: Float32[Tensor, "B 3 64 64"], path: Path) -> None:
+def write_reconstructions(model: CmVae, images: ImageTensor, path: Path) -> None:
     """Write the images above what the decoder makes of their latent mean."""
     with torch.inference_mode():
         mean, _ = model.encoder(images)
@@ -24,7 +24,7 @@ def write_reconstructions(model: CmVae, images: Float32[Tensor, "B 3 64 64"], pa
     _write(np.stack([image_bytes(images), image_bytes(rebuilt)]), path)
 
 
-def write_traversals(model: CmVae, images: Float32[Tensor, "B 3 64 64"], path: Path) -> None:
+def write_traversals(model: CmVae, images: ImageTensor, path: Path) -> None:
     """Write one row a latent dimension: the first image's latent with that dimension swept."""
     with torch.inference_mode():
         mean, _ = model.encoder(images[:1])
