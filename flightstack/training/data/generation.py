@@ -92,7 +92,7 @@ def generate_control(
     jobs: int = -1,
     report: Report = print,
 ) -> Path:
-    """Fly the expert and record `images` labelled images (90 % train, 10 % validation).
+    """Fly the expert and label `images` images on the way (90 % train, 10 % validation).
 
     Raises UsageError where the folder holds other data.
     """
