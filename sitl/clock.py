@@ -4,6 +4,7 @@ from fractions import Fraction
 
 TICK_US = 4000  # 250 Hz, physics and control
 SECOND_US = 1_000_000
+TICK_S = TICK_US / SECOND_US
 
 
 class Schedule:
