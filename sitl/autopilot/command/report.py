@@ -48,7 +48,7 @@ def report_status(
 
 def report_setpoint(cascade: Cascade, time_us: int) -> SetpointEcho:
     """Sum up what each controller follows now."""
-    setpoint, attitude, rates_frd, _ = cascade.state
+    setpoint, attitude, rates_frd, _, _ = cascade.state
     return SetpointEcho(
         time_us=time_us,
         position_ned=setpoint.position_ned,
@@ -70,5 +70,5 @@ def _outputs(cascade: Cascade, *, armed: bool) -> tuple[int, int, int, int]:
     if not armed:
         return (DISARMED_US, DISARMED_US, DISARMED_US, DISARMED_US)
     span = FULL_US - IDLE_US
-    a, b, c, d = (IDLE_US + round(span * motor) for motor in cascade.state.mixed.motors)
+    a, b, c, d = (IDLE_US + round(span * motor) for motor in cascade.state.motors)
     return (a, b, c, d)

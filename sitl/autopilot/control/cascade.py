@@ -5,7 +5,7 @@ from typing import NamedTuple, Self
 
 from sitl.autopilot.control.attitude_control import AttitudeParameters, turning_rates
 from sitl.autopilot.control.limits import Limits
-from sitl.autopilot.control.mixer import Mixed, Mixer
+from sitl.autopilot.control.mixer import Mixer
 from sitl.autopilot.control.position_control import (
     AttitudeSetpoint,
     PositionControl,
@@ -20,7 +20,7 @@ from sitl.records.sensing import Estimate
 from sitl.records.vehicle import NAN_VECTOR, AttitudeTarget
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
-STOPPED = Mixed((0.0, 0.0, 0.0, 0.0), ZERO)
+STOPPED: MotorThrusts = (0.0, 0.0, 0.0, 0.0)
 DIRECT = Setpoint()  # nothing for the position controller
 
 
@@ -47,7 +47,8 @@ class CascadeState(NamedTuple):
     setpoint: Setpoint = IDLE
     attitude: AttitudeSetpoint = AttitudeSetpoint((1.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, ZERO, ZERO)
     rates_frd: Vector3 = ZERO
-    mixed: Mixed = STOPPED
+    motors: MotorThrusts = STOPPED
+    saturated: Vector3 = ZERO  # the sign of the torque that the mixer had to cut
 
 
 class Cascade:
@@ -68,9 +69,9 @@ class Cascade:
     def start_airborne(self, hover_thrust: float) -> None:
         """Begin in the air, where a hover needs no settling."""
         self._rate.reset()
-        self.state = self.state._replace(mixed=self.state.mixed._replace(saturated=ZERO))
+        self.state = self.state._replace(saturated=ZERO)
         self._position.reset()
-        self._position.reset_hover_thrust(self.parameters.position.hover_thrust, hover_thrust)
+        self._position.hover.know(hover_thrust, self.parameters.position.hover_thrust)
 
     def fly(
         self,
@@ -82,11 +83,10 @@ class Cascade:
         clear: bool,
     ) -> MotorThrusts:
         """Follow a setpoint for one tick; the hover thrust is learnt clear of the ground."""
-        parameters = self.parameters.position
-        if clear:
-            self._position.learn_hover_thrust(parameters.hover_thrust)
-        attitude = self._position.update(estimate, setpoint, limits, parameters)
-        return self._turn(estimate, setpoint, attitude, landed=landed)
+        attitude = self._position.update(
+            estimate, setpoint, limits, self.parameters.position, learns=clear
+        )
+        return self._drive(estimate, setpoint, attitude, landed=landed)
 
     def fly_attitude(
         self, estimate: Estimate, target: AttitudeTarget, *, landed: bool
@@ -96,9 +96,8 @@ class Cascade:
         q = target.q_ned_frd or estimate.q_ned_frd
         yaw_rate = target.rates_frd[2] if target.q_ned_frd else 0.0
         attitude = AttitudeSetpoint(q, target.thrust, yaw_of(q), yaw_rate, NAN_VECTOR, NAN_VECTOR)
-        if target.q_ned_frd is None:
-            return self._drive(estimate, DIRECT, attitude, target.rates_frd, landed=landed)
-        return self._turn(estimate, DIRECT, attitude, landed=landed)
+        rates_frd = None if target.q_ned_frd else target.rates_frd
+        return self._drive(estimate, DIRECT, attitude, rates_frd, landed=landed)
 
     def idle(self, estimate: Estimate, thrust: float) -> MotorThrusts:
         """Stay level on the ground with the rotors turning; the integrators start afresh."""
@@ -106,47 +105,36 @@ class Cascade:
         yaw = yaw_of(estimate.q_ned_frd)
         level = quaternion_from_euler(0.0, 0.0, yaw)
         attitude = AttitudeSetpoint(level, thrust, yaw, 0.0, NAN_VECTOR, IDLE.acceleration_ned)
-        return self._turn(estimate, IDLE, attitude, landed=True)
+        return self._drive(estimate, IDLE, attitude, landed=True)
 
     def stop(self, estimate: Estimate) -> MotorThrusts:
         """Rotors off."""
         self._position.reset()
-        self._position.reset_hover_thrust(self.parameters.position.hover_thrust)
+        self._position.hover.reset(self.parameters.position.hover_thrust)
         self._rate.reset()
         q = estimate.q_ned_frd
         attitude = AttitudeSetpoint(q, 0.0, yaw_of(q), 0.0, NAN_VECTOR, IDLE.acceleration_ned)
-        self.state = CascadeState(IDLE, attitude, ZERO, STOPPED)
-        return STOPPED.motors
-
-    def _turn(
-        self, estimate: Estimate, setpoint: Setpoint, attitude: AttitudeSetpoint, *, landed: bool
-    ) -> MotorThrusts:
-        """Turn an attitude setpoint into body rates, and those into motor thrusts."""
-        rates = turning_rates(
-            estimate.q_ned_frd,
-            attitude.q_ned_frd,
-            attitude.yaw_rate_rad_s,
-            self.parameters.attitude,
-        )
-        return self._drive(estimate, setpoint, attitude, rates, landed=landed)
+        self.state = CascadeState(IDLE, attitude)
+        return STOPPED
 
     def _drive(
         self,
         estimate: Estimate,
         setpoint: Setpoint,
         attitude: AttitudeSetpoint,
-        rates_frd: Vector3,
+        rates_frd: Vector3 | None = None,
         *,
         landed: bool,
     ) -> MotorThrusts:
-        """Turn body rates and the thrust of an attitude setpoint into motor thrusts."""
+        """Turn an attitude setpoint, or only its thrust and body rates, into motor thrusts."""
+        parameters = self.parameters
+        if rates_frd is None:
+            q, yaw_rate = attitude.q_ned_frd, attitude.yaw_rate_rad_s
+            rates_frd = turning_rates(estimate.q_ned_frd, q, yaw_rate, parameters.attitude)
+        saturated = self.state.saturated
         torque = self._rate.update(
-            estimate.rates_frd,
-            rates_frd,
-            self.parameters.rate,
-            saturated=self.state.mixed.saturated,
-            landed=landed,
+            estimate.rates_frd, rates_frd, parameters.rate, saturated=saturated, landed=landed
         )
-        mixed = self._mixer.mix(torque, attitude.thrust)
-        self.state = CascadeState(setpoint, attitude, rates_frd, mixed)
-        return mixed.motors
+        motors, saturated = self._mixer.mix(torque, attitude.thrust)
+        self.state = CascadeState(setpoint, attitude, rates_frd, motors, saturated)
+        return motors

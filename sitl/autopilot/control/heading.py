@@ -6,6 +6,7 @@ A yaw loop with PX4's gains overshoots a sudden step by a quarter of it; a smoot
 import math
 from typing import NamedTuple, Self
 
+from sitl.autopilot.control.arithmetic import clamp
 from sitl.autopilot.parameters import ParameterValues
 from sitl.clock import SECOND_US, TICK_S
 from sitl.frames import wrap_pi
@@ -53,7 +54,7 @@ class Heading(NamedTuple):
         braking = math.sqrt(2.0 * BRAKING_SHARE * acceleration * size)
         new_rate = min(braking, ARRIVAL_GAIN * size, rate_max)
         change = math.copysign(new_rate, left) - rate
-        rate += min(max(change, -step), step)
+        rate += clamp(change, step)
         return Heading(wrap_pi(yaw + rate * TICK_S), rate)
 
     def follow(self, target_rad: float, parameters: HeadingParameters) -> "Heading":

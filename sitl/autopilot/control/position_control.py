@@ -6,14 +6,13 @@ gives an acceleration, and that gives the thrust vector. Height is served before
 integrators stop where the thrust is limited.
 """
 
-import math
-from math import isnan
+from math import asin, atan2, cos, hypot, isnan, sin, sqrt
 from typing import NamedTuple, Self
 
+from sitl.autopilot.control.arithmetic import add, add_limited, add_or_zero, clamp, or_zero
 from sitl.autopilot.control.hover_thrust import HoverThrust, HoverThrustParameters
 from sitl.autopilot.control.limits import Limits
 from sitl.autopilot.control.low_pass import low_pass_gain
-from sitl.autopilot.control.optional import add, add_limited, or_zero
 from sitl.autopilot.control.setpoint import Setpoint
 from sitl.autopilot.parameters import ParameterValues
 from sitl.clock import TICK_S
@@ -93,27 +92,11 @@ class PositionControl:
 
     def __init__(self, parameters: PositionParameters) -> None:
         self.state = AT_REST
-        self._hover = HoverThrust.begin(parameters.hover_thrust)
+        self.hover = HoverThrust(parameters.hover_thrust)
 
     def reset(self) -> None:
         """Forget the past, while on the ground."""
         self.state = AT_REST
-
-    def reset_hover_thrust(
-        self, parameters: HoverThrustParameters, known: float | None = None
-    ) -> None:
-        """Start to learn the hover thrust anew, or know it already."""
-        self._hover = HoverThrust.begin(parameters, known)
-
-    def learn_hover_thrust(self, parameters: HoverThrustParameters) -> None:
-        """Take the last tick's thrust and acceleration in; only while flying freely."""
-        (x, y, z), acceleration, previous, thrust_down = self.state
-        before = self._hover
-        self._hover = before.learn(-thrust_down, -acceleration[2], parameters)
-        # The integral follows, so that the thrust does not jump.
-        ratio = before.value / self._hover.value
-        integral = (x, y, (z - GRAVITY_M_S2) * ratio + GRAVITY_M_S2)
-        self.state = VelocityState(integral, acceleration, previous, thrust_down)
 
     def update(
         self,
@@ -121,20 +104,23 @@ class PositionControl:
         setpoint: Setpoint,
         limits: Limits,
         parameters: PositionParameters,
+        *,
+        learns: bool,
     ) -> AttitudeSetpoint:
-        """Advance by one tick."""
+        """Advance by one tick; it learns the hover thrust only while flying freely."""
         before = self.state
+        integral = self._learn_hover_thrust(parameters.hover_thrust) if learns else before.integral
         measured = _differentiate(before, estimate.velocity_ned, parameters.derivative_gain)
         velocity = _velocity_for(estimate.position_ned, setpoint, limits, parameters)
         present = _present_velocity(estimate, setpoint, parameters.land_speed_m_s)
         error = (velocity[0] - present[0], velocity[1] - present[1], velocity[2] - present[2])
         acceleration = _acceleration_for(
-            error, before.integral, measured, setpoint.acceleration_ned, parameters
+            error, integral, measured, setpoint.acceleration_ned, parameters
         )
-        thrust_ned, collective = _thrust_for(acceleration, self._hover.value, limits, parameters)
+        thrust_ned, collective = _thrust_for(acceleration, self.hover.value, limits, parameters)
         thrust_down = before.thrust_down
         thrust_down += parameters.derivative_gain * (thrust_ned[2] - thrust_down)
-        integral = self._integrate(error, acceleration, thrust_ned, limits, parameters)
+        integral = self._integrate(integral, error, acceleration, thrust_ned, limits, parameters)
         self.state = VelocityState(integral, measured, estimate.velocity_ned, thrust_down)
         yaw, yaw_rate = setpoint.yaw_rad, setpoint.yaw_rate_rad_s
         if isnan(yaw):  # no heading is requested: keep the present one
@@ -142,8 +128,17 @@ class PositionControl:
         q = _attitude(thrust_ned, yaw)
         return AttitudeSetpoint(q, collective, yaw, or_zero(yaw_rate), velocity, acceleration)
 
+    def _learn_hover_thrust(self, parameters: HoverThrustParameters) -> Vector3:
+        """Take the last tick's thrust and acceleration in, and give the integral for it."""
+        (x, y, z), acceleration, _, thrust_down = self.state
+        before = self.hover.value
+        self.hover.learn(-thrust_down, -acceleration[2], parameters)
+        # The integral follows, so that the thrust does not jump.
+        return (x, y, (z - GRAVITY_M_S2) * (before / self.hover.value) + GRAVITY_M_S2)
+
     def _integrate(
         self,
+        integral: Vector3,
         error: Vector3,
         acceleration: Vector3,
         thrust_ned: Vector3,
@@ -151,28 +146,27 @@ class PositionControl:
         parameters: PositionParameters,
     ) -> Vector3:
         """Give the integral after this tick, which does not wind up where thrust is limited."""
-        ex, ey, ez = or_zero(error[0]), or_zero(error[1]), or_zero(error[2])
+        ex, ey, ez = or_zero(error[0]), or_zero(error[1]), error[2]
         at_floor = thrust_ned[2] >= -limits.thrust_min
         at_ceiling = thrust_ned[2] <= -parameters.thrust_max + 1e-9
         held_down = limits.speed_up_m_s < 0.0  # by the take-off ramp: nothing to learn from
-        if (at_floor and ez >= 0.0) or (at_ceiling and ez <= 0.0) or held_down:
+        if (at_floor and ez >= 0.0) or (at_ceiling and ez <= 0.0) or held_down or isnan(ez):
             ez = 0.0
         # Tracking anti-windup: what the thrust can't give of the acceleration counts back.
-        produced = GRAVITY_M_S2 / self._hover.value
+        produced = GRAVITY_M_S2 / self.hover.value
         dx, dy = (
             acceleration[0] - thrust_ned[0] * produced,
             acceleration[1] - thrust_ned[1] * produced,
         )
         p_xy, gain_xy, _ = parameters.velocity_xy
-        if math.hypot(acceleration[0], acceleration[1]) > 1e-6 + produced * math.hypot(
+        if hypot(acceleration[0], acceleration[1]) > 1e-6 + produced * hypot(
             thrust_ned[0], thrust_ned[1]
         ):
             back = 2.0 / p_xy
             ex, ey = ex - back * dx, ey - back * dy
         i_xy, i_z = gain_xy * TICK_S, parameters.velocity_z.i * TICK_S
-        x, y, z = self.state.integral
-        z = min(max(z + i_z * ez, -GRAVITY_M_S2), GRAVITY_M_S2)
-        return (x + i_xy * ex, y + i_xy * ey, z)
+        x, y, z = integral
+        return (x + i_xy * ex, y + i_xy * ey, clamp(z + i_z * ez, GRAVITY_M_S2))
 
 
 def _differentiate(before: VelocityState, velocity: Vector3, gain: float) -> Vector3:
@@ -194,10 +188,10 @@ def _present_velocity(estimate: Estimate, setpoint: Setpoint, land_speed_m_s: fl
     As in PX4 a climb or descent that is requested by velocity alone is held against the rate of the
     estimated position, which has less bias, blended in up to MPC_LAND_SPEED.
     """
-    vx, vy, vz = estimate.velocity_ned
     rate, requested = estimate.z_deriv_m_s, setpoint.velocity_ned[2]
     if isnan(rate) or isnan(requested) or not isnan(setpoint.position_ned[2]):
         return estimate.velocity_ned
+    vx, vy, vz = estimate.velocity_ned
     weight = min(abs(requested) / land_speed_m_s, 1.0)
     return (vx, vy, weight * rate + (1.0 - weight) * vz)
 
@@ -213,7 +207,7 @@ def _velocity_for(
         (p_xy * (px - position[0]), p_xy * (py - position[1])), (vx, vy), parameters.speed_max_m_s
     )
     z = add(p_z * (pz - position[2]), vz)
-    return (x, y, z if isnan(z) else max(min(z, limits.speed_down_m_s), -limits.speed_up_m_s))
+    return (x, y, max(min(z, limits.speed_down_m_s), -limits.speed_up_m_s))  # NaN stays
 
 
 def _acceleration_for(
@@ -227,9 +221,9 @@ def _acceleration_for(
     p_xy, _, d_xy = parameters.velocity_xy
     p_z, _, d_z = parameters.velocity_z
     return (
-        or_zero(add(p_xy * error[0] + integral[0] - d_xy * measured[0], forward[0])),
-        or_zero(add(p_xy * error[1] + integral[1] - d_xy * measured[1], forward[1])),
-        or_zero(add(p_z * error[2] + integral[2] - d_z * measured[2], forward[2])),
+        add_or_zero(p_xy * error[0] + integral[0] - d_xy * measured[0], forward[0]),
+        add_or_zero(p_xy * error[1] + integral[1] - d_xy * measured[1], forward[1]),
+        add_or_zero(p_z * error[2] + integral[2] - d_z * measured[2], forward[2]),
     )
 
 
@@ -241,27 +235,27 @@ def _thrust_for(
     thrust_max = parameters.thrust_max
     scale = hover / GRAVITY_M_S2
     # Direction of the thrust, as if the vehicle held its height, within the tilt limit.
-    horizontal, steepest = math.hypot(ax, ay), GRAVITY_M_S2 * limits.tilt_tan
+    horizontal, steepest = hypot(ax, ay), GRAVITY_M_S2 * limits.tilt_tan
     shrink = steepest / horizontal if horizontal > steepest else 1.0
     slope = shrink / GRAVITY_M_S2
     down = min(scale * az - hover, -limits.thrust_min)
     tx, ty = slope * ax * -down, slope * ay * -down
     # Height first, but a margin stays for the horizontal axes.
-    horizontal = math.hypot(tx, ty)
+    horizontal = hypot(tx, ty)
     kept = min(horizontal, parameters.thrust_margin_xy)
-    down = max(down, -math.sqrt(max(thrust_max**2 - kept * kept, 0.0)))
-    room = math.sqrt(max(thrust_max**2 - down * down, 0.0))
+    down = max(down, -sqrt(max(thrust_max**2 - kept * kept, 0.0)))
+    room = sqrt(max(thrust_max**2 - down * down, 0.0))
     if horizontal > room:
         tx, ty = tx * room / horizontal, ty * room / horizontal
-    return (tx, ty, down), math.sqrt(tx * tx + ty * ty + down * down)
+    return (tx, ty, down), sqrt(tx * tx + ty * ty + down * down)
 
 
 def _attitude(thrust_ned: Vector3, yaw_rad: float) -> Quaternion:
     """Attitude whose -z axis lies along the thrust and whose heading is the yaw."""
     x, y, z = thrust_ned
-    norm = math.sqrt(x * x + y * y + z * z)
+    norm = sqrt(x * x + y * y + z * z)
     if norm == 0.0:  # no thrust is allowed at all: level
         return quaternion_from_euler(0.0, 0.0, yaw_rad)
-    cos_yaw, sin_yaw = math.cos(yaw_rad), math.sin(yaw_rad)
+    cos_yaw, sin_yaw = cos(yaw_rad), sin(yaw_rad)
     forward, right = (x * cos_yaw + y * sin_yaw) / norm, (y * cos_yaw - x * sin_yaw) / norm
-    return quaternion_from_euler(math.asin(right), math.atan2(-forward, -z / norm), yaw_rad)
+    return quaternion_from_euler(asin(right), atan2(-forward, -z / norm), yaw_rad)

@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+from sitl.autopilot.control.arithmetic import clamp
 from sitl.clock import TICK_S
 from sitl.records.motion import Vector3
 
@@ -22,7 +23,10 @@ class Agility(NamedTuple):
 
 
 class Axis:
-    """Position, velocity and acceleration of one axis."""
+    """Position, velocity and acceleration of one axis.
+
+    Plain attributes: frozen records would cost the three axes 0.7 us of a tick's 24.
+    """
 
     __slots__ = ("acceleration", "position", "velocity")
 
@@ -47,11 +51,11 @@ class Axis:
         """Advance one tick along a speed that changes by `feed_forward` (m/s2)."""
         limit, jerk = agility
         target = feed_forward + SPEED_GAIN * (speed - self.velocity)
-        self._accelerate(min(max(target, -limit), limit), jerk)
+        self._accelerate(clamp(target, limit), jerk)
 
     def _accelerate(self, target: float, jerk: float) -> None:
         step = jerk * TICK_S
-        self.acceleration += min(max(target - self.acceleration, -step), step)
+        self.acceleration += clamp(target - self.acceleration, step)
         self.velocity += self.acceleration * TICK_S
         self.position += self.velocity * TICK_S
 

@@ -116,7 +116,8 @@ class OffboardStream:
             held = None
         heading = heading.follow(target, self.parameters.heading)
         self._turn = TurnState(heading, time_us, held)
-        return good._replace(yaw_rad=heading.yaw_rad, yaw_rate_rad_s=heading.rate_rad_s)
+        position, velocity, acceleration, _, _ = good
+        return Setpoint(position, velocity, acceleration, *heading)
 
     def _flyable(self, time_us: int) -> Setpoint:
         stream = self._stream

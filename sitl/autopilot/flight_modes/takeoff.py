@@ -59,8 +59,7 @@ class Takeoff:
 
     def update(self, time_us: int, *, armed: bool, landed: bool, wants_climb: bool) -> TakeoffStage:
         """Advance to `time_us`."""
-        before, since_us = self.state
-        stage = before
+        stage = before = self.state.stage
         if not armed:
             stage = TakeoffStage.DISARMED
         elif stage is TakeoffStage.FLIGHT:
@@ -68,11 +67,11 @@ class Takeoff:
         elif stage is TakeoffStage.DISARMED:
             stage = TakeoffStage.SPOOL_UP
         elif stage is TakeoffStage.SPOOL_UP:
-            is_over = time_us - since_us >= self.parameters.spool_up_us
+            is_over = time_us - self.state.since_us >= self.parameters.spool_up_us
             stage = TakeoffStage.READY if is_over else stage
         elif stage is TakeoffStage.READY:
             stage = TakeoffStage.RAMP_UP if wants_climb else stage
-        elif time_us - since_us >= self.parameters.ramp_us:
+        elif time_us - self.state.since_us >= self.parameters.ramp_us:
             stage = TakeoffStage.FLIGHT
         if stage is not before:
             self.state = TakeoffState(stage, time_us)

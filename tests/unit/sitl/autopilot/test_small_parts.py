@@ -94,19 +94,21 @@ def test_flying_is_not_mistaken_for_standing(parameters, velocity, thrust, desce
 @pytest.mark.parametrize("true_hover", [0.35, 0.5, 0.7])
 def test_hover_thrust_is_learnt(parameters, true_hover):
     settings = HoverThrustParameters.resolve(parameters.values)
-    hover = HoverThrust.begin(settings)
+    hover = HoverThrust(settings)
     for tick in range(2500):
         thrust = 0.5 + 0.1 * math.sin(tick / 50.0)
-        hover = hover.learn(thrust, 9.80665 * (thrust / true_hover - 1.0), settings)
+        hover.learn(thrust, 9.80665 * (thrust / true_hover - 1.0), settings)
     assert hover.value == pytest.approx(true_hover, rel=0.01)
 
 
 def test_hover_thrust_is_not_learnt_when_told_not_to(parameters):
     parameters.set("MPC_USE_HTE", 0)
     settings = HoverThrustParameters.resolve(parameters.values)
-    hover = HoverThrust.begin(settings)
-    assert hover.learn(0.5, 3.0, settings).value == hover.value == 0.5
-    assert HoverThrust.begin(settings, known=0.3).value == 0.5
+    hover = HoverThrust(settings)
+    hover.learn(0.5, 3.0, settings)
+    assert hover.value == 0.5
+    hover.know(0.3, settings)
+    assert hover.value == 0.5
 
 
 @pytest.mark.parametrize(

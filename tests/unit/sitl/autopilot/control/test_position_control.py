@@ -43,7 +43,7 @@ def control() -> PositionControl:
 def follow(
     control: PositionControl, setpoint: Setpoint, limits: Limits = LIMITS, **state: Any
 ) -> AttitudeSetpoint:
-    return control.update(estimate(**state), setpoint, limits, PARAMETERS)
+    return control.update(estimate(**state), setpoint, limits, PARAMETERS, learns=False)
 
 
 def test_hover_takes_hover_thrust_and_level_attitude(control):

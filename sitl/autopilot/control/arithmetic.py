@@ -1,7 +1,11 @@
-"""Arithmetic with numbers of which NaN stands for one that is not given."""
+"""Arithmetic with limits, and with numbers of which NaN stands for one that is not given."""
 
-import math
-from math import isnan
+from math import hypot, isnan, sqrt
+
+
+def clamp(value: float, size_max: float) -> float:
+    """Keep within -size_max..size_max; NaN stays."""
+    return -size_max if value < -size_max else size_max if value > size_max else value
 
 
 def add(a: float, b: float) -> float:
@@ -10,6 +14,13 @@ def add(a: float, b: float) -> float:
     if isnan(total):
         return b if isnan(a) else a
     return total
+
+
+def add_or_zero(a: float, b: float) -> float:
+    """Sum of what is given; 0 if neither is."""
+    if isnan(b):
+        return 0.0 if isnan(a) else a
+    return b if isnan(a) else a + b
 
 
 def or_zero(value: float) -> float:
@@ -22,12 +33,12 @@ def add_limited(
 ) -> tuple[float, float]:
     """Add two horizontal vectors within a limit on the norm; the first is served first."""
     x, y = add(first[0], second[0]), add(first[1], second[1])
-    norm = math.hypot(x, y)
+    norm = hypot(x, y)
     if not norm > limit:
         return (x, y)
     fx, fy = or_zero(first[0]), or_zero(first[1])
     sx, sy = or_zero(second[0]), or_zero(second[1])
-    first_norm, second_norm = math.hypot(fx, fy), math.hypot(sx, sy)
+    first_norm, second_norm = hypot(fx, fy), hypot(sx, sy)
     if first_norm >= limit:
         if limit == 0.0:
             return (0.0, 0.0)
@@ -35,5 +46,5 @@ def add_limited(
     # How far along the second vector the limit is reached.
     ux, uy = sx / second_norm, sy / second_norm
     along = ux * fx + uy * fy
-    room = -along + math.sqrt(along * along + limit * limit - first_norm * first_norm)
+    room = -along + sqrt(along * along + limit * limit - first_norm * first_norm)
     return (fx + room * ux, fy + room * uy)
