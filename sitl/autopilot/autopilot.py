@@ -11,14 +11,14 @@ from sitl.autopilot.command.mode_entry import ModeEntry
 from sitl.autopilot.command.report import report_setpoint, report_status
 from sitl.autopilot.command.setpoints import Setpoints
 from sitl.autopilot.command.stick_override import StickOverride
-from sitl.autopilot.control.cascade import Cascade, tilt_tan
-from sitl.autopilot.control.position_control import Limits
+from sitl.autopilot.control.cascade import Cascade, CascadeParameters
+from sitl.autopilot.control.limits import LimitParameters
 from sitl.autopilot.flight_modes.home import Home
-from sitl.autopilot.flight_modes.land_detector import LandDetector
-from sitl.autopilot.flight_modes.manual import Manual
+from sitl.autopilot.flight_modes.land_detector import LandDetector, LandDetectorParameters
+from sitl.autopilot.flight_modes.manual import Manual, ManualParameters
 from sitl.autopilot.flight_modes.navigator import Navigator
 from sitl.autopilot.flight_modes.offboard import OffboardParameters, OffboardStream
-from sitl.autopilot.flight_modes.takeoff import Stage, Takeoff
+from sitl.autopilot.flight_modes.takeoff import Takeoff, TakeoffParameters, TakeoffStage
 from sitl.autopilot.parameters import Parameters
 from sitl.frames import yaw_of
 from sitl.records.failures import Failure
@@ -39,7 +39,6 @@ from sitl.records.vehicle import (
 ORIGIN: Vector3 = (0.0, 0.0, 0.0)
 IDLE_THRUST = 0.001  # what PX4 shows on the ground
 LIFT_THRUST = 0.05  # assumption: attitude setpoints below this leave the vehicle on the ground
-RAMP_THRUST = 0.001  # least thrust before flight: the ramp begins with none
 
 
 class Autopilot:
@@ -66,7 +65,10 @@ class Autopilot:
         self._entries = self._armings = 0
         self._airborne_pending = False
         self._clear = False  # flying, and once well above the ground
-        self._cascade = Cascade(parameters, rotor_positions_frd_m, rotor_yaw_moments_m)
+        self._limits = LimitParameters.resolve(values)
+        self._cascade = Cascade(
+            CascadeParameters.resolve(values), rotor_positions_frd_m, rotor_yaw_moments_m
+        )
         commander = self._commander = Commander(parameters)
         missions = self.missions = Missions(parameters, commander, home)
         navigator = self._navigator = Navigator(parameters, missions.flight)
@@ -76,18 +78,17 @@ class Autopilot:
         self._failures = FailureCommands(parameters, commander)
         self._commands = Commands(commander, missions, navigator, self._failures, home)
         self._offboard = OffboardStream(OffboardParameters.resolve(values))
-        self._manual = Manual(parameters)
+        self._manual = Manual(ManualParameters.resolve(values))
         self._stick_override = StickOverride(parameters)
         self._setpoints = Setpoints(commander, missions, navigator, self._offboard, self._manual)
         self._health = HealthWatch(parameters)
-        self._takeoff = Takeoff(parameters)
-        self._land_detector = LandDetector(parameters)
-        self._load_limits()
+        self._takeoff = Takeoff(TakeoffParameters.resolve(values))
+        self._land_detector = LandDetector(LandDetectorParameters.resolve(values))
 
     def start_airborne(self) -> None:
         """Begin in the air, armed, in OFFBOARD, hovering: for training, never for a flight."""
         self._airborne_pending = self._clear = True
-        self._home_place.known_ned = ORIGIN
+        self._home_place.start_airborne()
         self._commander.start_airborne()
         self._takeoff.start_airborne()
         self._land_detector.start_airborne()
@@ -122,8 +123,10 @@ class Autopilot:
         self._home_place.keep(estimate, request, just_armed=just_armed)
         if commander.entries != self._entries:
             self._entries = commander.entries
-            flies = self._takeoff.stage is Stage.FLIGHT
-            self._entry.begin(estimate, self._cascade.asked.acceleration_ned if flies else ORIGIN)
+            flies = self._takeoff.state.stage is TakeoffStage.FLIGHT
+            self._entry.begin(
+                estimate, self._cascade.state.attitude.acceleration_ned if flies else ORIGIN
+            )
         if not commander.armed or commander.mode is Mode.TERMINATION:
             self._takeoff.update(estimate.time_us, armed=False, landed=True, wants_climb=False)
             return self._cascade.stop(estimate)
@@ -211,36 +214,38 @@ class Autopilot:
         if attitude is not None:
             lifts = attitude.thrust > LIFT_THRUST
             stage = takeoff.update_by_thrust(estimate.time_us, landed=landed, lifts=lifts)
-            if stage is Stage.FLIGHT:
+            if stage is TakeoffStage.FLIGHT:
                 return self._cascade.fly_attitude(estimate, attitude, landed=landed)
             return self._cascade.idle(estimate, IDLE_THRUST)
-        flying = takeoff.stage is Stage.FLIGHT
+        flying = takeoff.state.stage is TakeoffStage.FLIGHT
         climbs = self._setpoints.wants_climb(estimate, landed=landed, flying=flying)
         stage = takeoff.update(estimate.time_us, armed=True, landed=landed, wants_climb=climbs)
-        in_flight = stage is Stage.FLIGHT
+        in_flight = stage is TakeoffStage.FLIGHT
         self._clear = in_flight and (self._clear or self._home_place.is_clear_of_ground(estimate))
-        if not (in_flight or stage is Stage.RAMP_UP) or (
-            in_flight and self._land_detector.ground_contact
+        if not (in_flight or stage is TakeoffStage.RAMP_UP) or (
+            in_flight and self._land_detector.state.ground_contact
         ):
             return self._cascade.idle(estimate, IDLE_THRUST)
-        limits = self._flight_limits
+        limits = self._limits.flight
         if not in_flight:
             automatic = mode in (Mode.TAKEOFF, Mode.MISSION)
-            speed_up = self._takeoff_speed if automatic else limits.speed_up_m_s
-            limits = self._ground_limits._replace(speed_up_m_s=takeoff.speed_limit(speed_up))
+            speed_up = self._limits.takeoff_speed_m_s if automatic else limits.speed_up_m_s
+            speed_up = takeoff.speed_limit(estimate.time_us, speed_up)
+            limits = self._limits.takeoff._replace(speed_up_m_s=speed_up)
         setpoint = self._setpoints.now(estimate, in_flight=in_flight)
         return self._cascade.fly(estimate, setpoint, limits, landed=landed, clear=self._clear)
 
     def _detect_landing(self, estimate: Estimate) -> bool:
-        detector, asked, commander = self._land_detector, self._cascade.asked, self._commander
+        detector, commander = self._land_detector, self._commander
+        followed = self._cascade.state.attitude
         # Where thrust is asked for directly, only its size tells a descent.
-        by_thrust = commander.mode is Mode.OFFBOARD and self._offboard.by_attitude
+        by_thrust = commander.mode is Mode.OFFBOARD and self._offboard.attitude is not None
         falls = commander.mode is Mode.TERMINATION or by_thrust
         return detector.update(
             estimate,
             armed=commander.armed,
-            descending=falls or asked.velocity_ned[2] >= detector.descent_min_m_s,
-            thrust=asked.thrust,
+            descending=falls or followed.velocity_ned[2] >= detector.parameters.descent_min_m_s,
+            thrust=followed.thrust,
         )
 
     def _is_fence_breached(self, estimate: Estimate) -> bool:
@@ -253,23 +258,16 @@ class Autopilot:
         """Hand changed parameters on, as a new record to every part."""
         values = self._values = self.parameters.values
         for part in (
-            self._cascade,
             self._commander,
             self.missions,
             self._navigator,
             self._health,
-            self._manual,
             self._stick_override,
-            self._takeoff,
-            self._land_detector,
         ):
             part.load(self.parameters)
+        self._limits = LimitParameters.resolve(values)
+        self._cascade.parameters = CascadeParameters.resolve(values)
         self._offboard.parameters = OffboardParameters.resolve(values)
-        self._load_limits()
-
-    def _load_limits(self) -> None:
-        p = self.parameters
-        up, down = p["MPC_Z_VEL_MAX_UP"], p["MPC_Z_VEL_MAX_DN"]
-        self._takeoff_speed = p["MPC_TKO_SPEED"]
-        self._flight_limits = Limits(up, down, tilt_tan(p["MPC_TILTMAX_AIR"]), p["MPC_THR_MIN"])
-        self._ground_limits = Limits(up, down, tilt_tan(p["MPC_TILTMAX_LND"]), RAMP_THRUST)
+        self._manual.parameters = ManualParameters.resolve(values)
+        self._takeoff.parameters = TakeoffParameters.resolve(values)
+        self._land_detector.parameters = LandDetectorParameters.resolve(values)

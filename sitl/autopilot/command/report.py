@@ -41,24 +41,24 @@ def report_status(
         position_valid=estimate.position_valid,
         altitude_valid=estimate.altitude_valid,
         battery_warning=int(commander.health.battery),
-        throttle=cascade.asked.thrust,
+        throttle=cascade.state.attitude.thrust,
         actuator_outputs=_outputs(cascade, armed=commander.armed),
     )
 
 
 def report_setpoint(cascade: Cascade, time_us: int) -> SetpointEcho:
     """Sum up what each controller follows now."""
-    asked = cascade.asked
+    setpoint, attitude, rates_frd, _, _ = cascade.state
     return SetpointEcho(
         time_us=time_us,
-        position_ned=cascade.setpoint.position_ned,
-        velocity_ned=asked.velocity_ned,
-        acceleration_ned=asked.acceleration_ned,
-        yaw_rad=asked.yaw_rad,
-        yaw_rate_rad_s=asked.yaw_rate_rad_s,
-        q_ned_frd=asked.q_ned_frd,
-        rates_frd=cascade.rates_frd,
-        thrust=asked.thrust,
+        position_ned=setpoint.position_ned,
+        velocity_ned=attitude.velocity_ned,
+        acceleration_ned=attitude.acceleration_ned,
+        yaw_rad=attitude.yaw_rad,
+        yaw_rate_rad_s=attitude.yaw_rate_rad_s,
+        q_ned_frd=attitude.q_ned_frd,
+        rates_frd=rates_frd,
+        thrust=attitude.thrust,
     )
 
 
@@ -70,5 +70,5 @@ def _outputs(cascade: Cascade, *, armed: bool) -> tuple[int, int, int, int]:
     if not armed:
         return (DISARMED_US, DISARMED_US, DISARMED_US, DISARMED_US)
     span = FULL_US - IDLE_US
-    a, b, c, d = (IDLE_US + round(span * motor) for motor in cascade.motors)
+    a, b, c, d = (IDLE_US + round(span * motor) for motor in cascade.state.motors)
     return (a, b, c, d)

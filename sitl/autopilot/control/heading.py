@@ -6,9 +6,9 @@ A yaw loop with PX4's gains overshoots a sudden step by a quarter of it; a smoot
 import math
 from typing import NamedTuple, Self
 
-from sitl.autopilot.control.trajectory import TICK_S
+from sitl.autopilot.control.arithmetic import clamp
 from sitl.autopilot.parameters import ParameterValues
-from sitl.clock import SECOND_US
+from sitl.clock import SECOND_US, TICK_S
 from sitl.frames import wrap_pi
 
 STEP_RAD = math.radians(5.0)  # assumption: a stream that moves less from one to the next is smooth
@@ -43,29 +43,29 @@ class Heading(NamedTuple):
         rate = self.rate_rad_s
         return wrap_pi(self.yaw_rad + 0.5 * rate * abs(rate) / parameters.acceleration_rad_s2)
 
-    def turn(self, wanted_rad: float, parameters: HeadingParameters) -> "Heading":
+    def turn(self, target_rad: float, parameters: HeadingParameters) -> "Heading":
         """Move by one tick towards a heading, to stand still there."""
         yaw, rate = self
         rate_max, acceleration = parameters
-        left = wrap_pi(wanted_rad - yaw)
+        left = wrap_pi(target_rad - yaw)
         size, step = abs(left), acceleration * TICK_S
         if size <= ARRIVED_RAD and abs(rate) <= step:
-            return Heading(wanted_rad)
+            return Heading(target_rad)
         braking = math.sqrt(2.0 * BRAKING_SHARE * acceleration * size)
-        wanted_rate = min(braking, ARRIVAL_GAIN * size, rate_max)
-        change = math.copysign(wanted_rate, left) - rate
-        rate += min(max(change, -step), step)
+        new_rate = min(braking, ARRIVAL_GAIN * size, rate_max)
+        change = math.copysign(new_rate, left) - rate
+        rate += clamp(change, step)
         return Heading(wrap_pi(yaw + rate * TICK_S), rate)
 
-    def follow(self, wanted_rad: float, parameters: HeadingParameters) -> "Heading":
+    def follow(self, target_rad: float, parameters: HeadingParameters) -> "Heading":
         """Move by one tick with a stream: what moves little by little is taken as it is."""
-        if self.rate_rad_s == 0.0 and abs(wrap_pi(wanted_rad - self.yaw_rad)) <= STEP_RAD:
-            return Heading(wanted_rad)
-        return self.turn(wanted_rad, parameters)
+        if self.rate_rad_s == 0.0 and abs(wrap_pi(target_rad - self.yaw_rad)) <= STEP_RAD:
+            return Heading(target_rad)
+        return self.turn(target_rad, parameters)
 
 
 class FacingParameters(NamedTuple):
-    """Whether a vehicle that has arrived faces as it was asked to.
+    """Whether a vehicle that has arrived faces as it was told to.
 
     As with PX4's navigator, it waits without MIS_YAW_TMT for the heading, however long that takes.
     With it, only headings that are forced are waited for: those of a LOITER_TIME whose second
@@ -83,11 +83,11 @@ class FacingParameters(NamedTuple):
             timeout_us=values["MIS_YAW_TMT"] * SECOND_US,
         )
 
-    def accepts(self, wanted_rad: float, yaw_rad: float, *, forced: bool = False) -> bool:
-        """Say whether a heading will do; NaN is wanted where any does."""
-        if math.isnan(wanted_rad) or (self.timeout_us > 0.0 and not forced):
+    def accepts(self, target_rad: float, yaw_rad: float, *, forced: bool = False) -> bool:
+        """Say whether a heading will do; NaN where any does."""
+        if math.isnan(target_rad) or (self.timeout_us > 0.0 and not forced):
             return True
-        return abs(wrap_pi(wanted_rad - yaw_rad)) < self.error_max_rad
+        return abs(wrap_pi(target_rad - yaw_rad)) < self.error_max_rad
 
     def gives_up(self, waited_us: int) -> bool:
         """Say whether a forced heading has been waited for too long."""

@@ -1,10 +1,10 @@
 """The first-order low pass that the controllers filter derivatives with."""
 
 import math
-from functools import cache
+
+from sitl.clock import TICK_S
 
 
-@cache
-def low_pass_gain(cutoff_hz: float, dt_s: float) -> float:
-    """Gain a tick, 0..1; a cutoff of 0 lets everything through."""
-    return 1.0 - math.exp(-2.0 * math.pi * cutoff_hz * dt_s) if cutoff_hz > 0.0 else 1.0
+def low_pass_gain(cutoff_hz: float) -> float:
+    """Gain per tick, 0..1; a cutoff of 0 lets everything through."""
+    return 1.0 - math.exp(-2.0 * math.pi * cutoff_hz * TICK_S) if cutoff_hz > 0.0 else 1.0

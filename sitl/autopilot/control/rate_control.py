@@ -1,31 +1,59 @@
 """Body rate control: PID on each axis, D on the measured angular acceleration."""
 
 import math
+from typing import NamedTuple, Self
 
+from sitl.autopilot.control.arithmetic import clamp
 from sitl.autopilot.control.low_pass import low_pass_gain
-from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.parameters import ParameterValues
+from sitl.clock import TICK_S
 from sitl.records.motion import Vector3
 
 INTEGRAL_FADE_RAD_S = math.radians(400.0)  # PX4: errors of this size don't integrate at all
 
 
+class AxisGains(NamedTuple):
+    """PID of one axis, and how large its integral may grow."""
+
+    p: float
+    i: float
+    d: float
+    integral_max: float
+
+    @classmethod
+    def resolve(cls, values: ParameterValues, axis: str) -> Self:
+        """Take PX4's values of ROLL, PITCH or YAW."""
+        p, i, d = (values[f"MC_{axis}RATE_{letter}"] for letter in "PID")
+        return cls(p, i, d, integral_max=values[f"MC_{axis[0]}R_INT_LIM"])
+
+
+class RateParameters(NamedTuple):
+    """How hard an error of the body rates is met."""
+
+    roll: AxisGains  # MC_ROLLRATE_P, _I, _D, MC_RR_INT_LIM
+    pitch: AxisGains  # MC_PITCHRATE_P, _I, _D, MC_PR_INT_LIM
+    yaw: AxisGains  # MC_YAWRATE_P, _I, _D, MC_YR_INT_LIM
+    derivative_gain: float  # of the low pass, IMU_DGYRO_CUTOFF
+    yaw_torque_gain: float  # of the low pass, MC_YAW_TQ_CUTOFF
+
+    @classmethod
+    def resolve(cls, values: ParameterValues) -> Self:
+        """Take PX4's values."""
+        return cls(
+            roll=AxisGains.resolve(values, "ROLL"),
+            pitch=AxisGains.resolve(values, "PITCH"),
+            yaw=AxisGains.resolve(values, "YAW"),
+            derivative_gain=low_pass_gain(values["IMU_DGYRO_CUTOFF"]),
+            yaw_torque_gain=low_pass_gain(values["MC_YAW_TQ_CUTOFF"]),
+        )
+
+
 class RateControl:
     """Turns a body rate error into normalised torques, -1..1."""
 
-    def __init__(self, parameters: Parameters) -> None:
-        self._axes = (_Axis(), _Axis(), _Axis())
+    def __init__(self) -> None:
+        self._axes = (RateAxis(), RateAxis(), RateAxis())
         self._yaw_torque = 0.0
-        self._dt_s = 0.0
-        self.load(parameters)
-
-    def load(self, parameters: Parameters) -> None:
-        """Take gains and limits from the parameters."""
-        p = parameters
-        for axis, name in zip(self._axes, ("ROLL", "PITCH", "YAW"), strict=True):
-            axis.p, axis.i, axis.d = (p[f"MC_{name}RATE_{letter}"] for letter in "PID")
-            axis.limit = p[f"MC_{name[0]}R_INT_LIM"]
-        self._cutoffs_hz = (p["IMU_DGYRO_CUTOFF"], p["MC_YAW_TQ_CUTOFF"])
-        self._dt_s = 0.0
 
     def reset(self) -> None:
         """Forget the past, as PX4 does while disarmed."""
@@ -36,62 +64,62 @@ class RateControl:
     def update(
         self,
         rates: Vector3,
-        wanted: Vector3,
-        dt_s: float,
+        setpoint: Vector3,
+        parameters: RateParameters,
         *,
         saturated: Vector3,
         landed: bool,
     ) -> Vector3:
         """Advance by one tick; `saturated` is the sign of the torque that the mixer had to cut."""
-        if dt_s != self._dt_s:
-            self._dt_s = dt_s
-            self._d_gain, self._yaw_gain = (low_pass_gain(f, dt_s) for f in self._cutoffs_hz)
-        (roll, pitch, yaw), gain, learns = self._axes, self._d_gain, not landed
-        x = roll.update(rates[0], wanted[0], dt_s, gain, learns=learns, saturated=saturated[0])
-        y = pitch.update(rates[1], wanted[1], dt_s, gain, learns=learns, saturated=saturated[1])
-        z = yaw.update(rates[2], wanted[2], dt_s, gain, learns=learns, saturated=saturated[2])
+        (roll, pitch, yaw), learns = self._axes, not landed
+        gains_r, gains_p, gains_y, low_pass, yaw_low_pass = parameters
+        p, q, r = rates
+        p_to, q_to, r_to = setpoint
+        x = roll.update(p, p_to - p, gains_r, low_pass, learns=learns, saturated=saturated[0])
+        y = pitch.update(q, q_to - q, gains_p, low_pass, learns=learns, saturated=saturated[1])
+        z = yaw.update(r, r_to - r, gains_y, low_pass, learns=learns, saturated=saturated[2])
         # The slow yaw torque is smoothed: rotors give it through their drag.
-        z = self._yaw_torque = self._yaw_torque + self._yaw_gain * (z - self._yaw_torque)
-        return (_limit(x, 1.0), _limit(y, 1.0), _limit(z, 1.0))
+        z = self._yaw_torque = self._yaw_torque + yaw_low_pass * (z - self._yaw_torque)
+        return (clamp(x, 1.0), clamp(y, 1.0), clamp(z, 1.0))
 
 
-class _Axis:
-    """One axis' controller: its gains, integral, and angular acceleration (rad/s2, low-passed)."""
+class RateAxis:
+    """What one axis remembers: its integral, and angular acceleration (rad/s2, low-passed).
 
-    __slots__ = ("_acceleration", "_integral", "_previous", "d", "i", "limit", "p")
+    Plain attributes: frozen records would cost each tick 1.0 us of its 24.
+    """
+
+    __slots__ = ("_acceleration", "_integral", "_previous")
 
     def __init__(self) -> None:
-        self.p = self.i = self.d = self.limit = 0.0
-        self.reset()
-
-    def reset(self) -> None:
         self._integral = self._acceleration = 0.0
         self._previous: float | None = None
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self._integral = self._acceleration = 0.0
+        self._previous = None
 
     def update(
         self,
         rate: float,
-        wanted: float,
-        dt_s: float,
-        gain: float,
+        error: float,
+        gains: AxisGains,
+        low_pass: float,
         *,
         learns: bool,
         saturated: float,
     ) -> float:
-        """Give the torque; `gain` is that of the acceleration's low pass."""
+        """Give the torque; `low_pass` is the gain of the acceleration's filter."""
         previous = rate if self._previous is None else self._previous
         self._previous = rate
         acceleration = self._acceleration
-        acceleration += gain * ((rate - previous) / dt_s - acceleration)
+        acceleration += low_pass * ((rate - previous) / TICK_S - acceleration)
         self._acceleration = acceleration
-        error, integral = wanted - rate, self._integral
+        p, i, d, integral_max = gains
+        integral = self._integral
         if learns and error * saturated <= 0.0:
             fade = 1.0 - (error / INTEGRAL_FADE_RAD_S) ** 2
             if fade > 0.0:
-                self._integral = _limit(integral + fade * self.i * error * dt_s, self.limit)
-        return self.p * error + integral - self.d * acceleration
-
-
-def _limit(value: float, most: float) -> float:
-    """Keep within -most..most; NaN stays."""
-    return -most if value < -most else most if value > most else value
+                self._integral = clamp(integral + fade * i * error * TICK_S, integral_max)
+        return p * error + integral - d * acceleration

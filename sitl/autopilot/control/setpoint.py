@@ -1,4 +1,4 @@
-"""What the modes ask of the position controller."""
+"""What the modes request of the position controller."""
 
 import math
 from typing import NamedTuple

@@ -5,12 +5,13 @@ limited acceleration and jerk follows them. Centred sticks stop the vehicle, the
 """
 
 import math
+from typing import NamedTuple, Self
 
 from sitl.autopilot.control.low_pass import low_pass_gain
 from sitl.autopilot.control.setpoint import Setpoint
-from sitl.autopilot.control.trajectory import TICK_S, Agility, Axis, Trajectory
-from sitl.autopilot.parameters import Parameters
-from sitl.clock import TICK_US
+from sitl.autopilot.control.trajectory import Agility, Axis, Trajectory
+from sitl.autopilot.parameters import ParameterValues
+from sitl.clock import TICK_S, TICK_US
 from sitl.frames import GRAVITY_M_S2, wrap_pi, yaw_of
 from sitl.records.modes import Mode
 from sitl.records.motion import Vector3
@@ -21,35 +22,68 @@ NAN = math.nan
 ORIGIN: Vector3 = (0.0, 0.0, 0.0)
 CENTRED = Sticks(time_us=0, forward=0.0, right=0.0, up=0.0, turn=0.0)
 CLIMB_STICK = 0.1  # assumption: more than this takes off
+RESTING_RAD_S = 1e-3  # a turn slower than this is over
+
+
+class ManualParameters(NamedTuple):
+    """How sticks are shaped, and how fast and briskly the vehicle follows them."""
+
+    dead_zone: float  # of the sticks, MPC_HOLD_DZ
+    expo_xy: float  # the share that is cubic, MPC_XY_MAN_EXPO
+    expo_z: float  # MPC_Z_MAN_EXPO
+    expo_yaw: float  # MPC_YAW_EXPO
+    speed_m_s: float  # MPC_VEL_MANUAL, within MPC_XY_VEL_MAX
+    speed_up_m_s: float  # MPC_Z_VEL_MAX_UP
+    speed_down_m_s: float  # MPC_Z_VEL_MAX_DN
+    tilt_max_rad: float  # MPC_MAN_TILT_MAX
+    yaw_rate_max_rad_s: float  # MPC_MAN_Y_MAX
+    yaw_rate_gain: float  # of the low pass, MPC_MAN_Y_TAU
+    agility_xy: Agility  # MPC_ACC_HOR, MPC_JERK_MAX
+    agility_z: Agility  # the smaller of MPC_ACC_UP_MAX and MPC_ACC_DOWN_MAX, MPC_JERK_MAX
+    hold_speed_xy_m_s: float  # slower than this, the place is held, MPC_HOLD_MAX_XY
+    hold_speed_z_m_s: float  # MPC_HOLD_MAX_Z
+
+    @classmethod
+    def resolve(cls, values: ParameterValues) -> Self:
+        """Take PX4's values, in SI units."""
+        tau_s, jerk = values["MPC_MAN_Y_TAU"], values["MPC_JERK_MAX"]
+        acceleration_z = min(values["MPC_ACC_UP_MAX"], values["MPC_ACC_DOWN_MAX"])
+        return cls(
+            dead_zone=values["MPC_HOLD_DZ"],
+            expo_xy=values["MPC_XY_MAN_EXPO"],
+            expo_z=values["MPC_Z_MAN_EXPO"],
+            expo_yaw=values["MPC_YAW_EXPO"],
+            speed_m_s=min(values["MPC_VEL_MANUAL"], values["MPC_XY_VEL_MAX"]),
+            speed_up_m_s=values["MPC_Z_VEL_MAX_UP"],
+            speed_down_m_s=values["MPC_Z_VEL_MAX_DN"],
+            tilt_max_rad=math.radians(values["MPC_MAN_TILT_MAX"]),
+            yaw_rate_max_rad_s=math.radians(values["MPC_MAN_Y_MAX"]),
+            yaw_rate_gain=low_pass_gain(1.0 / (2.0 * math.pi * tau_s)) if tau_s > 0.0 else 1.0,
+            agility_xy=Agility(values["MPC_ACC_HOR"], jerk),
+            agility_z=Agility(acceleration_z, jerk),
+            hold_speed_xy_m_s=values["MPC_HOLD_MAX_XY"],
+            hold_speed_z_m_s=values["MPC_HOLD_MAX_Z"],
+        )
+
+
+class ManualState(NamedTuple):
+    """What is held, and how the vehicle turns."""
+
+    holds_xy: bool = False
+    holds_z: bool = False
+    yaw_rad: float = 0.0
+    yaw_rate_rad_s: float = 0.0
+    moved_us: int = -1  # when the sticks last led the vehicle
 
 
 class Manual:
     """Keeps the sticks, and the trajectory that they lead."""
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: ManualParameters) -> None:
+        self.parameters = parameters
         self._sticks = CENTRED
         self._trajectory = Trajectory(ORIGIN, ORIGIN, ORIGIN)
-        self._holds_xy = self._holds_z = False
-        self._yaw_rad = self._yaw_rate = 0.0
-        self._moved_us = -1
-        self.load(parameters)
-
-    def load(self, parameters: Parameters) -> None:
-        """Take speeds and shapes from the parameters."""
-        p = parameters
-        self._dead_zone = p["MPC_HOLD_DZ"]
-        self._expo = (p["MPC_XY_MAN_EXPO"], p["MPC_Z_MAN_EXPO"], p["MPC_YAW_EXPO"])
-        self._speed = min(p["MPC_VEL_MANUAL"], p["MPC_XY_VEL_MAX"])
-        self._up, self._down = p["MPC_Z_VEL_MAX_UP"], p["MPC_Z_VEL_MAX_DN"]
-        self._tilt_rad = math.radians(p["MPC_MAN_TILT_MAX"])
-        self._turn_max = math.radians(p["MPC_MAN_Y_MAX"])
-        tau = p["MPC_MAN_Y_TAU"]
-        self._turn_gain = low_pass_gain(1.0 / (2.0 * math.pi * tau), TICK_S) if tau > 0.0 else 1.0
-        self._agility_xy = Agility(p["MPC_ACC_HOR"], p["MPC_JERK_MAX"])
-        self._agility_z = Agility(
-            min(p["MPC_ACC_UP_MAX"], p["MPC_ACC_DOWN_MAX"]), p["MPC_JERK_MAX"]
-        )
-        self._hold_speeds = (p["MPC_HOLD_MAX_XY"], p["MPC_HOLD_MAX_Z"])
+        self._state = ManualState()
 
     def receive(self, sticks: Sticks) -> None:
         """Take the sticks' newest positions."""
@@ -57,103 +91,100 @@ class Manual:
 
     @property
     def wants_climb(self) -> bool:
-        """Whether the sticks ask a vehicle on the ground to take off."""
+        """Whether the sticks request that a vehicle on the ground take off."""
         return self._sticks.up > CLIMB_STICK
 
     def wait(self, estimate: Estimate) -> Setpoint:
         """Stay over the place while the rotors take the weight; only the climb rate counts."""
-        self._start(estimate)
-        climb = self._climb()
-        return Setpoint(velocity_ned=(0.0, 0.0, climb), yaw_rad=self._yaw_rad)
+        self._state = self._start(estimate)
+        return Setpoint(velocity_ned=(0.0, 0.0, self._climb()), yaw_rad=self._state.yaw_rad)
 
     def advance(self, mode: Mode, estimate: Estimate) -> Setpoint:
         """Move by one tick and give the setpoint of ALTCTL or POSCTL."""
-        if estimate.time_us - self._moved_us != TICK_US:
-            self._start(estimate)
-        self._moved_us = estimate.time_us
-        yaw, yaw_rate = self._turn(estimate)
-        z, vz, az = self._lead_z(estimate)
+        before, time_us = self._state, estimate.time_us
+        if time_us - before.moved_us != TICK_US:
+            before = self._start(estimate)
+        yaw, yaw_rate = self._turn(before, estimate)
+        holds_z = self._lead_z(estimate, held=before.holds_z)
+        trajectory = self._trajectory
+        down = trajectory.down
+        z = down.position if holds_z else NAN
         if mode is Mode.ALTCTL or not estimate.position_valid:
+            self._state = ManualState(before.holds_xy, holds_z, yaw, yaw_rate, time_us)
             ax, ay = self._tilt(yaw)
-            return Setpoint((NAN, NAN, z), (NAN, NAN, vz), (ax, ay, az), yaw, yaw_rate)
-        (x, y), (vx, vy), (ax, ay) = self._lead_xy(estimate, yaw)
-        return Setpoint((x, y, z), (vx, vy, vz), (ax, ay, az), yaw, yaw_rate)
+            velocity, acceleration = (NAN, NAN, down.velocity), (ax, ay, down.acceleration)
+            return Setpoint((NAN, NAN, z), velocity, acceleration, yaw, yaw_rate)
+        holds_xy = self._lead_xy(estimate, yaw, held=before.holds_xy)
+        self._state = ManualState(holds_xy, holds_z, yaw, yaw_rate, time_us)
+        x = trajectory.north.position if holds_xy else NAN
+        y = trajectory.east.position if holds_xy else NAN
+        return Setpoint((x, y, z), trajectory.velocity, trajectory.acceleration, yaw, yaw_rate)
 
-    def _start(self, estimate: Estimate) -> None:
+    def _start(self, estimate: Estimate) -> ManualState:
+        """Begin out of the vehicle's own motion."""
         self._trajectory = Trajectory(estimate.position_ned, estimate.velocity_ned, ORIGIN)
-        self._holds_xy = self._holds_z = False
-        self._yaw_rad, self._yaw_rate = yaw_of(estimate.q_ned_frd), 0.0
+        return ManualState(yaw_rad=yaw_of(estimate.q_ned_frd))
 
     def _climb(self) -> float:
-        """Velocity down that the throttle stick asks for."""
-        up = self._shape(self._sticks.up, self._expo[1])
-        return -up * (self._up if up > 0.0 else self._down)
+        """Velocity down that the throttle stick requests."""
+        parameters = self.parameters
+        up = self._shape(self._sticks.up, parameters.expo_z)
+        return -up * (parameters.speed_up_m_s if up > 0.0 else parameters.speed_down_m_s)
 
     def _horizontal(self) -> tuple[float, float]:
         """Forward and right, shaped, within the unit circle."""
-        forward = self._shape(self._sticks.forward, self._expo[0])
-        right = self._shape(self._sticks.right, self._expo[0])
+        forward = self._shape(self._sticks.forward, self.parameters.expo_xy)
+        right = self._shape(self._sticks.right, self.parameters.expo_xy)
         norm = math.hypot(forward, right)
         return (forward / norm, right / norm) if norm > 1.0 else (forward, right)
 
-    def _turn(self, estimate: Estimate) -> tuple[float, float]:
-        wanted = self._shape(self._sticks.turn, self._expo[2]) * self._turn_max
-        self._yaw_rate += self._turn_gain * (wanted - self._yaw_rate)
-        if wanted == 0.0 and abs(self._yaw_rate) < 1e-3:
-            self._yaw_rate = 0.0
-        else:  # while it turns, the heading is where the vehicle has come to
-            self._yaw_rad = wrap_pi(yaw_of(estimate.q_ned_frd) + self._yaw_rate * TICK_S)
-        return self._yaw_rad, self._yaw_rate
+    def _turn(self, before: ManualState, estimate: Estimate) -> tuple[float, float]:
+        """Give the heading, and its rate."""
+        parameters, rate = self.parameters, before.yaw_rate_rad_s
+        requested = self._shape(self._sticks.turn, parameters.expo_yaw)
+        requested *= parameters.yaw_rate_max_rad_s
+        rate += parameters.yaw_rate_gain * (requested - rate)
+        if requested == 0.0 and abs(rate) < RESTING_RAD_S:
+            return before.yaw_rad, 0.0
+        # While it turns, the heading is where the vehicle has come to.
+        return wrap_pi(yaw_of(estimate.q_ned_frd) + rate * TICK_S), rate
 
     def _tilt(self, yaw_rad: float) -> tuple[float, float]:
-        """Horizontal acceleration, NED, of the tilt that the sticks ask for."""
+        """Horizontal acceleration, NED, of the tilt that the sticks request."""
         forward, right = self._horizontal()
         share = math.hypot(forward, right)
         if share == 0.0:
             return 0.0, 0.0
-        size = GRAVITY_M_S2 * math.tan(share * self._tilt_rad) / share
+        size = GRAVITY_M_S2 * math.tan(share * self.parameters.tilt_max_rad) / share
         return _rotate(forward * size, right * size, yaw_rad)
 
-    def _lead_z(self, estimate: Estimate) -> Vector3:
-        axis, climb = self._trajectory.down, self._climb()
-        axis.lead(climb, self._agility_z)
+    def _lead_z(self, estimate: Estimate, *, held: bool) -> bool:
+        """Move up or down, and say whether the height is held."""
+        axis, climb, parameters = self._trajectory.down, self._climb(), self.parameters
+        axis.lead(climb, parameters.agility_z)
         stopped = climb == 0.0 and axis.velocity == 0.0
-        slow = abs(estimate.velocity_ned[2]) < self._hold_speeds[1]
-        self._holds_z = _hold(
-            (axis,), estimate.position_ned[2:], held=self._holds_z, stopped=stopped, slow=slow
-        )
-        return (axis.position if self._holds_z else NAN), axis.velocity, axis.acceleration
+        slow = abs(estimate.velocity_ned[2]) < parameters.hold_speed_z_m_s
+        return _hold((axis,), estimate.position_ned[2:], held=held, stopped=stopped, slow=slow)
 
-    def _lead_xy(
-        self, estimate: Estimate, yaw_rad: float
-    ) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
-        north, east = self._trajectory.north, self._trajectory.east
+    def _lead_xy(self, estimate: Estimate, yaw_rad: float, *, held: bool) -> bool:
+        """Move horizontally, and say whether the place is held."""
+        parameters, north, east = self.parameters, self._trajectory.north, self._trajectory.east
         forward, right = self._horizontal()
-        vx, vy = _rotate(forward * self._speed, right * self._speed, yaw_rad)
-        north.lead(vx, self._agility_xy)
-        east.lead(vy, self._agility_xy)
+        speed, agility = parameters.speed_m_s, parameters.agility_xy
+        vx, vy = _rotate(forward * speed, right * speed, yaw_rad)
+        north.lead(vx, agility)
+        east.lead(vy, agility)
         stopped = vx == vy == north.velocity == east.velocity == 0.0
-        slow = math.hypot(*estimate.velocity_ned[:2]) < self._hold_speeds[0]
-        self._holds_xy = _hold(
-            (north, east),
-            estimate.position_ned[:2],
-            held=self._holds_xy,
-            stopped=stopped,
-            slow=slow,
-        )
-        place = (north.position, east.position) if self._holds_xy else (NAN, NAN)
-        return (
-            place,
-            (north.velocity, east.velocity),
-            (north.acceleration, east.acceleration),
-        )
+        slow = math.hypot(*estimate.velocity_ned[:2]) < parameters.hold_speed_xy_m_s
+        place = estimate.position_ned[:2]
+        return _hold((north, east), place, held=held, stopped=stopped, slow=slow)
 
     def _shape(self, stick: float, expo: float) -> float:
         """Dead zone, then linear and cubic in PX4's proportion."""
-        size = abs(stick)
-        if size <= self._dead_zone:
+        size, dead_zone = abs(stick), self.parameters.dead_zone
+        if size <= dead_zone:
             return 0.0
-        size = min((size - self._dead_zone) / (1.0 - self._dead_zone), 1.0)
+        size = min((size - dead_zone) / (1.0 - dead_zone), 1.0)
         return math.copysign((1.0 - expo) * size + expo * size**3, stick)
 
 

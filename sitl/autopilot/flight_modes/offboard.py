@@ -1,4 +1,4 @@
-"""The stream of offboard setpoints: is it alive, and what does it ask for now."""
+"""The stream of offboard setpoints: is it alive, and what does it request now."""
 
 from math import isnan
 from typing import NamedTuple, Self
@@ -29,87 +29,103 @@ class OffboardParameters(NamedTuple):
         )
 
 
+class StreamState(NamedTuple):
+    """The newest message, and what of the stream can be flown."""
+
+    newest_us: int | None = None
+    attitude: AttitudeTarget | None = None  # the newest, if it requests that
+    good: Setpoint = STOP
+    next: Setpoint | None = None  # becomes good
+    next_us: int = 0  # when it does
+    stop_at_us: int | None = None  # where the newest can't be flown
+
+
+class TurnState(NamedTuple):
+    """How the heading follows the stream."""
+
+    heading: Heading = Heading()
+    turned_us: int = -1  # when it was last led
+    held_yaw_rad: float | None = None  # while the stream gives none
+
+
+NOT_TURNED = TurnState()
+
+
 class OffboardStream:
     """Keeps the newest setpoint, and the newest that can be flown."""
 
     def __init__(self, parameters: OffboardParameters) -> None:
         self.parameters = parameters
-        self._newest_us: int | None = None
-        self._good = STOP
-        self._next: tuple[int, Setpoint] | None = None  # when it takes effect
-        self._heading = Heading()
-        self._turned_us = -1  # when the heading was last led
-        self._stop_at_us: int | None = None  # where the newest can't be flown
-        self._held_yaw_rad: float | None = None
-        self.attitude: AttitudeTarget | None = None  # the newest, if it asks for that
+        self._stream = StreamState()
+        self._turn = NOT_TURNED
 
     def receive(self, setpoint: OffboardSetpoint) -> None:
         """Take a setpoint in; a stream is alive even where one of them can't be flown."""
-        self._newest_us, self.attitude = setpoint.time_us, None
+        before, time_us = self._stream, setpoint.time_us
         if _is_complete(setpoint):
-            self._stop_at_us = None
-            if self._next is not None:
-                self._good = self._next[1]
-            self._next = (
-                setpoint.time_us + LATENCY_US,
-                Setpoint(
-                    setpoint.position_ned,
-                    setpoint.velocity_ned,
-                    setpoint.acceleration_ned,
-                    setpoint.yaw_rad,
-                    setpoint.yaw_rate_rad_s,
-                ),
+            flyable = Setpoint(
+                setpoint.position_ned,
+                setpoint.velocity_ned,
+                setpoint.acceleration_ned,
+                setpoint.yaw_rad,
+                setpoint.yaw_rate_rad_s,
             )
-        elif self._stop_at_us is None:
-            self._stop_at_us = setpoint.time_us + LAST_GOOD_US
+            good = before.good if before.next is None else before.next
+            self._stream = StreamState(time_us, None, good, flyable, time_us + LATENCY_US)
+            return
+        stop_at_us = before.stop_at_us
+        if stop_at_us is None:
+            stop_at_us = time_us + LAST_GOOD_US
+        self._stream = before._replace(newest_us=time_us, attitude=None, stop_at_us=stop_at_us)
 
     def receive_attitude(self, setpoint: AttitudeTarget) -> None:
-        """Take a setpoint in that asks for an attitude or body rates instead of motion."""
-        self._newest_us, self.attitude = setpoint.time_us, setpoint
-        self._good, self._next, self._stop_at_us = STOP, None, None
+        """Take a setpoint in that requests an attitude or body rates instead of motion."""
+        self._stream = StreamState(setpoint.time_us, setpoint)
 
     @property
-    def by_attitude(self) -> bool:
-        """Whether the newest setpoint asks for an attitude or rates, which need no position."""
-        return self.attitude is not None
+    def attitude(self) -> AttitudeTarget | None:
+        """The newest setpoint, if it requests an attitude or rates, which need no position."""
+        return self._stream.attitude
 
     def is_alive(self, time_us: int) -> bool:
         """Whether the newest setpoint is younger than COM_OF_LOSS_T."""
-        return (
-            self._newest_us is not None and time_us - self._newest_us < self.parameters.timeout_us
-        )
+        newest_us = self._stream.newest_us
+        return newest_us is not None and time_us - newest_us < self.parameters.timeout_us
 
     def wants_climb(self, time_us: int, down_m: float) -> bool:
-        """Whether the stream asks a vehicle on the ground, at `down_m`, to take off."""
+        """Whether the stream requests that a vehicle on the ground, at `down_m`, take off."""
         good = self._flyable(time_us)
         return good.velocity_ned[2] < 0.0 or good.position_ned[2] < down_m
 
     def setpoint(self, time_us: int, yaw_rad: float) -> Setpoint:
         """Give what to fly now: the newest setpoint, or a stop where it makes no sense.
 
-        Where neither yaw nor yaw rate is asked for, the heading at that moment is held.
+        Where neither yaw nor yaw rate is requested, the heading at that moment is held.
         """
-        good, heading = self._flyable(time_us), self._heading
+        good = self._flyable(time_us)
         if not isnan(good.yaw_rate_rad_s):
-            self._held_yaw_rad, self._turned_us = None, -1
+            self._turn = NOT_TURNED
             return good
-        if time_us - self._turned_us != TICK_US:
+        heading, turned_us, held = self._turn
+        if time_us - turned_us != TICK_US:
             heading = Heading(yaw_rad)
-        self._turned_us = time_us
-        wanted = good.yaw_rad
-        if isnan(wanted):
-            if self._held_yaw_rad is None:
-                self._held_yaw_rad = yaw_rad
-            wanted = self._held_yaw_rad
+        target = good.yaw_rad
+        if isnan(target):
+            target = held = yaw_rad if held is None else held
         else:
-            self._held_yaw_rad = None
-        heading = self._heading = heading.follow(wanted, self.parameters.heading)
-        return good._replace(yaw_rad=heading.yaw_rad, yaw_rate_rad_s=heading.rate_rad_s)
+            held = None
+        heading = heading.follow(target, self.parameters.heading)
+        self._turn = TurnState(heading, time_us, held)
+        position, velocity, acceleration, _, _ = good
+        return Setpoint(position, velocity, acceleration, *heading)
 
     def _flyable(self, time_us: int) -> Setpoint:
-        if self._next is not None and time_us >= self._next[0]:
-            self._good, self._next = self._next[1], None
-        return self._good if self._stop_at_us is None or time_us < self._stop_at_us else STOP
+        stream = self._stream
+        if stream.next is not None and time_us >= stream.next_us:
+            stream = self._stream = stream._replace(good=stream.next, next=None)
+        if stream.stop_at_us is None or time_us < stream.stop_at_us:
+            return stream.good
+        return STOP
 
 
 def _is_complete(setpoint: OffboardSetpoint) -> bool:

@@ -5,13 +5,14 @@ RAMP_UP --MPC_TKO_RAMP_T--> FLIGHT --landed--> READY;  any --disarmed--> DISARME
 """
 
 from enum import Enum
+from typing import NamedTuple, Self
 
-from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.parameters import ParameterValues
 from sitl.clock import SECOND_US
 from sitl.frames import GRAVITY_M_S2
 
 
-class Stage(Enum):
+class TakeoffStage(Enum):
     """How far a take-off has come."""
 
     DISARMED = 0
@@ -21,55 +22,72 @@ class Stage(Enum):
     FLIGHT = 4
 
 
+class TakeoffParameters(NamedTuple):
+    """How long each stage takes."""
+
+    spool_up_us: int  # COM_SPOOLUP_TIME
+    ramp_us: int  # MPC_TKO_RAMP_T
+    velocity_p: float  # of the vertical velocity loop, MPC_Z_VEL_P_ACC
+
+    @classmethod
+    def resolve(cls, values: ParameterValues) -> Self:
+        """Take PX4's values, in SI units."""
+        return cls(
+            spool_up_us=round(values["COM_SPOOLUP_TIME"] * SECOND_US),
+            ramp_us=round(values["MPC_TKO_RAMP_T"] * SECOND_US),
+            velocity_p=values["MPC_Z_VEL_P_ACC"],
+        )
+
+
+class TakeoffState(NamedTuple):
+    """The stage, and the time when it began."""
+
+    stage: TakeoffStage = TakeoffStage.DISARMED
+    since_us: int = 0
+
+
 class Takeoff:
-    """Keeps the stage and the time when it began."""
+    """Leads through the stages."""
 
-    def __init__(self, parameters: Parameters) -> None:
-        self.stage = Stage.DISARMED
-        self._since_us = 0
-        self._time_us = 0
-        self.load(parameters)
-
-    def load(self, parameters: Parameters) -> None:
-        """Take times and gains from the parameters."""
-        self._spool_up_us = round(parameters["COM_SPOOLUP_TIME"] * SECOND_US)
-        self._ramp_us = round(parameters["MPC_TKO_RAMP_T"] * SECOND_US)
-        self._z_velocity_p = parameters["MPC_Z_VEL_P_ACC"]
+    def __init__(self, parameters: TakeoffParameters) -> None:
+        self.parameters = parameters
+        self.state = TakeoffState()
 
     def start_airborne(self) -> None:
         """Begin in flight."""
-        self.stage = Stage.FLIGHT
+        self.state = TakeoffState(TakeoffStage.FLIGHT, self.state.since_us)
 
-    def update(self, time_us: int, *, armed: bool, landed: bool, wants_climb: bool) -> Stage:
+    def update(self, time_us: int, *, armed: bool, landed: bool, wants_climb: bool) -> TakeoffStage:
         """Advance to `time_us`."""
-        self._time_us = time_us
-        stage = self.stage
+        stage = before = self.state.stage
         if not armed:
-            stage = Stage.DISARMED
-        elif stage is Stage.FLIGHT:
-            stage = Stage.READY if landed else stage
-        elif stage is Stage.DISARMED:
-            stage = Stage.SPOOL_UP
-        elif stage is Stage.SPOOL_UP:
-            stage = Stage.READY if time_us - self._since_us >= self._spool_up_us else stage
-        elif stage is Stage.READY:
-            stage = Stage.RAMP_UP if wants_climb else stage
-        elif time_us - self._since_us >= self._ramp_us:
-            stage = Stage.FLIGHT
-        if stage is not self.stage:
-            self.stage, self._since_us = stage, time_us
+            stage = TakeoffStage.DISARMED
+        elif stage is TakeoffStage.FLIGHT:
+            stage = TakeoffStage.READY if landed else stage
+        elif stage is TakeoffStage.DISARMED:
+            stage = TakeoffStage.SPOOL_UP
+        elif stage is TakeoffStage.SPOOL_UP:
+            is_over = time_us - self.state.since_us >= self.parameters.spool_up_us
+            stage = TakeoffStage.READY if is_over else stage
+        elif stage is TakeoffStage.READY:
+            stage = TakeoffStage.RAMP_UP if wants_climb else stage
+        elif time_us - self.state.since_us >= self.parameters.ramp_us:
+            stage = TakeoffStage.FLIGHT
+        if stage is not before:
+            self.state = TakeoffState(stage, time_us)
         return stage
 
-    def update_by_thrust(self, time_us: int, *, landed: bool, lifts: bool) -> Stage:
-        """Advance where thrust is asked for directly: there is nothing to ramp up."""
+    def update_by_thrust(self, time_us: int, *, landed: bool, lifts: bool) -> TakeoffStage:
+        """Advance where thrust is requested directly: there is nothing to ramp up."""
         stage = self.update(time_us, armed=True, landed=landed and not lifts, wants_climb=lifts)
-        if stage is Stage.RAMP_UP:
-            self.stage, self._since_us = Stage.FLIGHT, time_us
-        return self.stage
+        if stage is TakeoffStage.RAMP_UP:
+            self.state = TakeoffState(TakeoffStage.FLIGHT, time_us)
+        return self.state.stage
 
-    def speed_limit(self, speed_up_m_s: float) -> float:
+    def speed_limit(self, time_us: int, speed_up_m_s: float) -> float:
         """Ramp the climb limit from the descent rate at which the velocity loop gives no thrust."""
-        if self.stage is not Stage.RAMP_UP or self._ramp_us == 0:
+        (stage, since_us), parameters = self.state, self.parameters
+        if stage is not TakeoffStage.RAMP_UP or parameters.ramp_us == 0:
             return speed_up_m_s
-        start = -GRAVITY_M_S2 / self._z_velocity_p
-        return start + (speed_up_m_s - start) * (self._time_us - self._since_us) / self._ramp_us
+        start = -GRAVITY_M_S2 / parameters.velocity_p
+        return start + (speed_up_m_s - start) * (time_us - since_us) / parameters.ramp_us

@@ -4,11 +4,11 @@ import math
 
 import pytest
 
-from sitl.autopilot.control.hover_thrust import HoverThrust
-from sitl.autopilot.flight_modes.land_detector import LandDetector
+from sitl.autopilot.control.hover_thrust import HoverThrust, HoverThrustParameters
+from sitl.autopilot.flight_modes.land_detector import LandDetector, LandDetectorParameters
 from sitl.autopilot.flight_modes.offboard import LATENCY_US, OffboardParameters, OffboardStream
 from sitl.autopilot.flight_modes.return_home import Phase, ReturnHome
-from sitl.autopilot.flight_modes.takeoff import Stage, Takeoff
+from sitl.autopilot.flight_modes.takeoff import Takeoff, TakeoffParameters, TakeoffStage
 from sitl.autopilot.parameters import Parameters
 from sitl.records.sensing import Estimate
 from sitl.records.vehicle import OffboardSetpoint
@@ -37,29 +37,32 @@ def estimate(time_us: int, velocity=ZERO) -> Estimate:
 
 
 def test_take_off_spools_up_waits_ramps_and_flies(parameters):
-    takeoff = Takeoff(parameters)
+    takeoff = Takeoff(TakeoffParameters.resolve(parameters.values))
 
-    def stage_at(time_s: float, *, climb: bool) -> Stage:
+    def stage_at(time_s: float, *, climb: bool) -> TakeoffStage:
         return takeoff.update(round(time_s * 1e6), armed=True, landed=True, wants_climb=climb)
 
-    assert stage_at(0.0, climb=True) is Stage.SPOOL_UP
-    assert stage_at(0.99, climb=True) is Stage.SPOOL_UP
-    assert stage_at(1.0, climb=False) is Stage.READY
-    assert stage_at(5.0, climb=False) is Stage.READY
-    assert stage_at(6.0, climb=True) is Stage.RAMP_UP
-    assert takeoff.speed_limit(3.0) == pytest.approx(-9.80665 / 4.0)  # no thrust at all
-    stage_at(7.5, climb=True)
-    assert takeoff.speed_limit(3.0) == pytest.approx((3.0 - 9.80665 / 4.0) / 2.0)
+    assert stage_at(0.0, climb=True) is TakeoffStage.SPOOL_UP
+    assert stage_at(0.99, climb=True) is TakeoffStage.SPOOL_UP
+    assert stage_at(1.0, climb=False) is TakeoffStage.READY
+    assert stage_at(5.0, climb=False) is TakeoffStage.READY
+    assert stage_at(6.0, climb=True) is TakeoffStage.RAMP_UP
+    # No thrust at all.
+    assert takeoff.speed_limit(6_000_000, 3.0) == pytest.approx(-9.80665 / 4.0)
+    half_way = takeoff.speed_limit(7_500_000, 3.0)
+    assert half_way == pytest.approx((3.0 - 9.80665 / 4.0) / 2.0)
     takeoff.update(9_000_000, armed=True, landed=False, wants_climb=True)
-    assert takeoff.stage is Stage.FLIGHT
-    assert takeoff.speed_limit(3.0) == 3.0
-    assert takeoff.update(9_100_000, armed=True, landed=True, wants_climb=True) is Stage.READY
+    assert takeoff.state.stage is TakeoffStage.FLIGHT
+    assert takeoff.speed_limit(9_000_000, 3.0) == 3.0
+    assert (
+        takeoff.update(9_100_000, armed=True, landed=True, wants_climb=True) is TakeoffStage.READY
+    )
     disarmed = takeoff.update(9_200_000, armed=False, landed=True, wants_climb=True)
-    assert disarmed is Stage.DISARMED
+    assert disarmed is TakeoffStage.DISARMED
 
 
 def test_landing_is_believed_in_steps_and_flight_at_once(parameters):
-    detector = LandDetector(parameters)
+    detector = LandDetector(LandDetectorParameters.resolve(parameters.values))
     detector.start_airborne()
     times = [round(4000 * tick) for tick in range(1, 300)]
     landed_at = next(
@@ -81,7 +84,7 @@ def test_landing_is_believed_in_steps_and_flight_at_once(parameters):
     ],
 )
 def test_flying_is_not_mistaken_for_standing(parameters, velocity, thrust, descending):
-    detector = LandDetector(parameters)
+    detector = LandDetector(LandDetectorParameters.resolve(parameters.values))
     detector.start_airborne()
     for tick in range(1, 1000):
         now = estimate(4000 * tick, velocity)
@@ -90,17 +93,21 @@ def test_flying_is_not_mistaken_for_standing(parameters, velocity, thrust, desce
 
 @pytest.mark.parametrize("true_hover", [0.35, 0.5, 0.7])
 def test_hover_thrust_is_learnt(parameters, true_hover):
-    hover = HoverThrust(parameters)
+    settings = HoverThrustParameters.resolve(parameters.values)
+    hover = HoverThrust(settings)
     for tick in range(2500):
         thrust = 0.5 + 0.1 * math.sin(tick / 50.0)
-        hover.update(thrust, 9.80665 * (thrust / true_hover - 1.0), 0.004)
+        hover.learn(thrust, 9.80665 * (thrust / true_hover - 1.0), settings)
     assert hover.value == pytest.approx(true_hover, rel=0.01)
 
 
 def test_hover_thrust_is_not_learnt_when_told_not_to(parameters):
     parameters.set("MPC_USE_HTE", 0)
-    hover = HoverThrust(parameters)
-    hover.update(0.5, 3.0, 0.004)
+    settings = HoverThrustParameters.resolve(parameters.values)
+    hover = HoverThrust(settings)
+    hover.learn(0.5, 3.0, settings)
+    assert hover.value == 0.5
+    hover.know(0.3, settings)
     assert hover.value == 0.5
 
 

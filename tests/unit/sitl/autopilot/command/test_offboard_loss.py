@@ -18,7 +18,7 @@ def lose_stream(flight, height_m: float = 8.0) -> None:
 
 
 def seconds_since_last_setpoint(flight) -> float:
-    return (flight.time_us - flight.autopilot._offboard._newest_us) / 1e6
+    return (flight.time_us - flight.autopilot._offboard._stream.newest_us) / 1e6
 
 
 def test_failsafe_acts_within_a_tick_of_the_timeout(flight):

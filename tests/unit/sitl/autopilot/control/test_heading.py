@@ -7,9 +7,9 @@ import pytest
 
 from sitl.autopilot.control.heading import FacingParameters, Heading, HeadingParameters
 from sitl.autopilot.parameters import Parameters
+from sitl.clock import TICK_S
 from sitl.frames import wrap_pi
 
-TICK_S = 0.004
 PARAMETERS = HeadingParameters.resolve(Parameters().values)
 
 

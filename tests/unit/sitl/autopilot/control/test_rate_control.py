@@ -4,30 +4,30 @@ import math
 
 import pytest
 
-from sitl.autopilot.control.rate_control import RateControl
+from sitl.autopilot.control.rate_control import RateControl, RateParameters
 from sitl.autopilot.parameters import Parameters
 
-TICK_S = 0.004
 STILL = (0.0, 0.0, 0.0)
+VALUES = Parameters().values
+PARAMETERS = RateParameters.resolve(VALUES)
 
 
 @pytest.fixture
 def control() -> RateControl:
-    return RateControl(Parameters({}))
+    return RateControl()
 
 
 def hold(control, wanted, ticks, *, saturated=STILL, landed=False):
     """Ask for rates that are never reached; the torque at the end."""
     for _ in range(ticks):
-        torque = control.update(STILL, wanted, TICK_S, saturated=saturated, landed=landed)
+        torque = control.update(STILL, wanted, PARAMETERS, saturated=saturated, landed=landed)
     return torque
 
 
 @pytest.mark.parametrize(("axis", "letters"), [(0, "ROLL"), (1, "PITCH")])
 def test_an_error_that_stays_adds_up_to_its_limit(control, axis, letters):
-    p = Parameters({})
     wanted = tuple(0.5 if index == axis else 0.0 for index in range(3))
-    gain, limit = p[f"MC_{letters}RATE_P"], p[f"MC_{letters[0]}R_INT_LIM"]
+    gain, limit = VALUES[f"MC_{letters}RATE_P"], VALUES[f"MC_{letters[0]}R_INT_LIM"]
     assert hold(control, wanted, 1)[axis] == pytest.approx(gain * 0.5)
     assert hold(control, wanted, 5000)[axis] == pytest.approx(gain * 0.5 + limit)
 
@@ -56,8 +56,8 @@ def test_a_reset_forgets(control):
 
 
 def test_a_turn_that_quickens_is_braked_by_d(control):
-    control.update(STILL, STILL, TICK_S, saturated=STILL, landed=False)
+    control.update(STILL, STILL, PARAMETERS, saturated=STILL, landed=False)
     roll, pitch, _ = control.update(
-        (0.1, -0.1, 0.0), (0.1, -0.1, 0.0), TICK_S, saturated=STILL, landed=False
+        (0.1, -0.1, 0.0), (0.1, -0.1, 0.0), PARAMETERS, saturated=STILL, landed=False
     )
     assert roll < 0.0 < pitch

@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sitl.autopilot.control.trajectory import TICK_S, Agility, Trajectory
+from sitl.autopilot.control.trajectory import Agility, Trajectory
+from sitl.clock import TICK_S
 
 ZERO = (0.0, 0.0, 0.0)
 AGILITY = Agility(acceleration_m_s2=3.0, jerk_m_s3=4.0)
