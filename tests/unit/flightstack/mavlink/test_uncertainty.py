@@ -1,4 +1,4 @@
-"""Each decision's doubts, in the order that the wire's document gives."""
+"""Each decision's uncertainty, in the order that the wire's document gives."""
 
 import math
 from typing import Any
@@ -16,7 +16,7 @@ def decision(member: list[int], members: int = 5) -> Decision:
         aleatoric_std=np.array([0.0, 1.0, 2.0, 3.0]),
         epistemic_std=np.array([4.0, 5.0, 6.0, 7.0]),
         perceptual_std=np.array([8.0, 9.0, 10.0, 11.0]),
-        score=np.arange(20.0).reshape(5, 4),
+        score=np.arange(4.0 * members).reshape(members, 4),
         member=np.array(member),
         modes=np.array([1, 2, 3, 4]),
         member_mean=np.arange(100.0, 100.0 + 4 * members).reshape(members, 4),
