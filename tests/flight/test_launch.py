@@ -1,6 +1,7 @@
 """A few lines of Python fly a course: the result as a record, errors in one line, nothing left."""
 
 import contextlib
+import re
 import signal
 import subprocess
 import sys
@@ -40,6 +41,23 @@ def test_a_warm_start_gives_the_flight_of_a_cold_one(
     )
     with contextlib.closing(WarmStarter()) as warm:
         assert timeless(fly_request(request, warm)) == timeless(cold)
+
+
+def test_the_readmes_example_flies(tmp_path: Path) -> None:
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    environment = ENVIRONMENT | {"PYTHONPATH": str(ROOT)}
+    ran = subprocess.run(
+        [sys.executable, "-c", blocks[0]],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ran.returncode == 0, ran.stderr
+    result, log = ran.stdout.splitlines()
+    assert result == "completed: 8 gates of 8"
+    assert (tmp_path / log.rpartition(": ")[2]).is_file()
 
 
 def test_what_cannot_be_flown_is_one_line() -> None:
