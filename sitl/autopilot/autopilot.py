@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from sitl.autopilot.autopilot_parameters import AutopilotParameters
-from sitl.autopilot.command.commander import Commander, Transition
+from sitl.autopilot.command.commander import Commander, ModeTransition
 from sitl.autopilot.command.commands import Commands
 from sitl.autopilot.command.failure_commands import FailureCommands
 from sitl.autopilot.command.health_watch import HealthWatch
@@ -111,7 +111,7 @@ class Autopilot:
             )
         commander = self._commander
         transitions = commander.drain_transitions()  # by commands, since the last tick
-        just_armed = Transition.ARMED in transitions
+        just_armed = ModeTransition.ARMED in transitions
         if just_armed:  # perhaps in the same tick as it was disarmed
             self._takeoff.update(estimate.time_us, armed=False, landed=True, wants_climb=False)
             self._health.armed(estimate.time_us)

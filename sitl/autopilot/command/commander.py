@@ -76,7 +76,7 @@ class CommanderState(NamedTuple):
         return self.cause is not None
 
 
-class Transition(Enum):
+class ModeTransition(Enum):
     """What happened to the state; with each of them the mode begins, perhaps again."""
 
     ARMED = 1
@@ -94,7 +94,7 @@ class Commander:
         self._fine_with: tuple[Health, CommanderParameters] | None = None
         self._is_ready = False  # to take off, as was said
         self._time_us = 0
-        self._transitions: tuple[Transition, ...] = ()
+        self._transitions: tuple[ModeTransition, ...] = ()
         self._texts: list[StatusText] = []
 
     @property
@@ -116,7 +116,7 @@ class Commander:
         texts, self._texts = self._texts, []
         return texts
 
-    def drain_transitions(self) -> tuple[Transition, ...]:
+    def drain_transitions(self) -> tuple[ModeTransition, ...]:
         """Take what happened to the state since the last call."""
         transitions, self._transitions = self._transitions, ()
         return transitions
@@ -132,7 +132,7 @@ class Commander:
             landed=False,
             has_flown=True,
         )
-        self._transitions += (Transition.SWITCHED,)
+        self._transitions += (ModeTransition.SWITCHED,)
 
     def update(self, time_us: int, *, landed: bool) -> None:
         """Advance to `time_us`: failsafe, landing, automatic disarming."""
@@ -168,7 +168,7 @@ class Commander:
             since_us=self._time_us,
             after_disarming=state.intended,
         )
-        self._transitions += (Transition.ARMED,)
+        self._transitions += (ModeTransition.ARMED,)
         self.say(INFO, text)
         return True
 
@@ -194,7 +194,7 @@ class Commander:
             self.say(CRITICAL, f"Switching to {rules.name} is currently not available")
             return False
         if mode is not state.intended or goal is not None or state.failsafe:
-            self._transitions += (Transition.SWITCHED,)
+            self._transitions += (ModeTransition.SWITCHED,)
             state = state._replace(goal=goal or NO_GOAL)
         if state.failsafe:
             state = state._replace(memory=override(self._failsafe_inputs(), state.memory))
@@ -235,7 +235,7 @@ class Commander:
             self.terminate()
         elif decision.mode is not state.mode:
             self.state = self.state._replace(mode=decision.mode)
-            self._transitions += (Transition.SWITCHED,)
+            self._transitions += (ModeTransition.SWITCHED,)
 
     def _failsafe_inputs(self) -> FailsafeInputs:
         state = self.state
@@ -274,5 +274,5 @@ class Commander:
             memory=CALM,
             landed=True,
         )
-        self._transitions += (Transition.DISARMED,)
+        self._transitions += (ModeTransition.DISARMED,)
         self.say(INFO, text)

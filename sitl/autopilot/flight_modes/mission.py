@@ -32,7 +32,7 @@ IMMEDIATE_MAX = 2000  # jumps and the like in a row, before a mission counts as 
 JUMPS_MAX = 0xFFFF
 
 
-class MissionPhase(Enum):
+class ItemPhase(Enum):
     """How far the current item has come."""
 
     CLIMB = 1
@@ -75,7 +75,7 @@ class MissionFlightState(NamedTuple):
     """Which item is flown, and how far it has come."""
 
     current: int = 0  # index of the item
-    phase: MissionPhase = MissionPhase.END
+    phase: ItemPhase = ItemPhase.END
     target_ned: Vector3 = NOWHERE
     yaw_rad: float = NAN
     climb_to_m: float = NAN  # down
@@ -124,22 +124,22 @@ class MissionFlight:
         """Whether a vehicle on the ground is to take off; what can be done there is done."""
         if self.state.is_changed:
             self._begin(estimate, landed=landed)
-        if landed and (self.state.phase is MissionPhase.LAND or self._has_stayed(estimate)):
+        if landed and (self.state.phase is ItemPhase.LAND or self._has_stayed(estimate)):
             self._go_on(estimate, landed=True)
-        return self.state.phase in (MissionPhase.CLIMB, MissionPhase.TRAVEL, MissionPhase.TURN)
+        return self.state.phase in (ItemPhase.CLIMB, ItemPhase.TRAVEL, ItemPhase.TURN)
 
     def update(self, estimate: Estimate) -> Leg:
         """Give the leg to fly at this moment."""
         if self.state.is_changed:
             self._begin(estimate, landed=False)
-        if self.state.phase is MissionPhase.CLIMB:
+        if self.state.phase is ItemPhase.CLIMB:
             climb_to = self.state.climb_to_m
             if estimate.position_ned[2] - climb_to > self.parameters.altitude_radius_m:
                 return Leg((NAN, NAN, climb_to), climbs=True)
-            self.state = self.state._replace(phase=MissionPhase.TRAVEL)
-        if self.state.phase is MissionPhase.TRAVEL and self._has_arrived(estimate):
-            self.state = self.state._replace(phase=MissionPhase.TURN, arrived_us=estimate.time_us)
-        if self.state.phase is MissionPhase.TURN:
+            self.state = self.state._replace(phase=ItemPhase.TRAVEL)
+        if self.state.phase is ItemPhase.TRAVEL and self._has_arrived(estimate):
+            self.state = self.state._replace(phase=ItemPhase.TURN, arrived_us=estimate.time_us)
+        if self.state.phase is ItemPhase.TURN:
             self._turn(estimate)
         if self._has_stayed(estimate):
             self._go_on(estimate, landed=False)
@@ -147,8 +147,8 @@ class MissionFlight:
         return Leg(
             state.target_ned,
             state.yaw_rad,
-            climbs=state.phase is MissionPhase.CLIMB,
-            lands=state.phase is MissionPhase.LAND,
+            climbs=state.phase is ItemPhase.CLIMB,
+            lands=state.phase is ItemPhase.LAND,
         )
 
     def take_return(self) -> bool:
@@ -190,13 +190,13 @@ class MissionFlight:
     def _begin_item(self, item: MissionItem, estimate: Estimate, *, landed: bool) -> None:
         state = self.state._replace(arrived_us=estimate.time_us)
         if item.command == mission_plan.DELAY:  # where the last item has led
-            self.state = state._replace(phase=MissionPhase.STAY)
+            self.state = state._replace(phase=ItemPhase.STAY)
             return
         x, y, z = self._place_of(item, estimate)
         lands = item.command == mission_plan.LAND
         on_the_spot = lands and (landed or isnan(x))
         self.state = state._replace(
-            phase=MissionPhase.LAND if on_the_spot else MissionPhase.TRAVEL,
+            phase=ItemPhase.LAND if on_the_spot else ItemPhase.TRAVEL,
             target_ned=(x, y, estimate.position_ned[2] if lands else z),
             yaw_rad=wrap_pi(math.radians(item.params[3])),
         )
@@ -210,7 +210,7 @@ class MissionFlight:
         climb_to = min(state.target_ned[2], ground - parameters.takeoff_height_m)
         self.state = state._replace(climb_to_m=climb_to)
         if landed or down - climb_to > parameters.altitude_radius_m:
-            self.state = self.state._replace(phase=MissionPhase.CLIMB)
+            self.state = self.state._replace(phase=ItemPhase.CLIMB)
             self._say(INFO, f"Climb to {state.home_ned[2] - climb_to:.1f} meters above home")
 
     def _do(self, item: MissionItem, *, landed: bool) -> None:
@@ -232,7 +232,7 @@ class MissionFlight:
         """Hold where the last item has led, or leave the way to the return."""
         state = self.state
         self.state = state._replace(
-            phase=MissionPhase.END,
+            phase=ItemPhase.END,
             finished=True,
             current=max(0, min(state.current, len(self._plan)) - 1),
             target_ned=state.target_ned if self._plan else NOWHERE,
@@ -247,7 +247,7 @@ class MissionFlight:
         forced = item.command == mission_plan.LOITER_TIME and item.params[1] > 0.0
         if facing.accepts(state.yaw_rad, yaw_of(estimate.q_ned_frd), forced=forced):
             lands = item.command == mission_plan.LAND
-            self.state = state._replace(phase=MissionPhase.LAND if lands else MissionPhase.STAY)
+            self.state = state._replace(phase=ItemPhase.LAND if lands else ItemPhase.STAY)
         elif not state.failed and facing.gives_up(estimate.time_us - state.arrived_us):
             self.state = state._replace(failed=True)
             self._say(CRITICAL, "unable to reach heading within timeout")
@@ -274,7 +274,7 @@ class MissionFlight:
         return abs(down - z) <= self.parameters.altitude_radius_m
 
     def _has_stayed(self, estimate: Estimate) -> bool:
-        if self.state.phase is not MissionPhase.STAY:
+        if self.state.phase is not ItemPhase.STAY:
             return False
         item = self._plan[self.state.current]
         if item.command == mission_plan.LOITER_UNLIMITED:
