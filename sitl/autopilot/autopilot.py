@@ -110,8 +110,7 @@ class Autopilot:
                 OffboardSetpoint(time_us=estimate.time_us, velocity_ned=ORIGIN, yaw_rate_rad_s=0.0)
             )
         commander = self._commander
-        transitions = commander.drain_transitions()  # by commands, since the last tick
-        just_armed = ModeTransition.ARMED in transitions
+        just_armed = ModeTransition.ARMED in commander.transitions  # by a command
         if just_armed:  # perhaps in the same tick as it was disarmed
             self._takeoff.update(estimate.time_us, armed=False, landed=True, wants_climb=False)
             self._health.armed(estimate.time_us)
@@ -126,7 +125,7 @@ class Autopilot:
         commander.update(estimate.time_us, landed=landed)
         home_request = self._commands.take_home_request()
         self._home_place.keep(estimate, home_request, just_armed=just_armed)
-        if transitions + commander.drain_transitions():
+        if commander.take_transitions():
             flies = self._takeoff.state.stage is TakeoffStage.FLIGHT
             followed = self._cascade.state.attitude
             self._entry.begin(estimate, followed.acceleration_ned if flies else ORIGIN)
@@ -249,7 +248,7 @@ class Autopilot:
         home = self._home_place.known_ned
         if home is None or not estimate.position_valid:
             return False
-        return self.missions.watch(estimate.time_us, estimate.position_ned, home)
+        return self.missions.watch(estimate, home)
 
     def _load(self) -> None:
         """Hand changed parameters on, as a new record to every part."""

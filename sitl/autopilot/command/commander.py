@@ -22,7 +22,7 @@ from sitl.autopilot.command.failsafe import (
     override,
 )
 from sitl.autopilot.command.health_watch import HealthWatch
-from sitl.autopilot.command.mode_table import MODES, Action, ModeRules
+from sitl.autopilot.command.mode_table import MODES, Action
 from sitl.autopilot.flight_modes.navigator import Goal
 from sitl.autopilot.parameters import ParameterValues
 from sitl.clock import SECOND_US
@@ -90,22 +90,18 @@ class Commander:
     def __init__(self, parameters: CommanderParameters, health_watch: HealthWatch) -> None:
         self.parameters = parameters
         self.state = CommanderState()
+        self.rules = MODES[self.state.mode]  # of the mode that is flown
+        self.transitions: tuple[ModeTransition, ...] = ()  # since they were last taken
         self._health_watch = health_watch
         self._fine_with: tuple[Health, CommanderParameters] | None = None
         self._is_ready = False  # to take off, as was said
         self._time_us = 0
-        self._transitions: tuple[ModeTransition, ...] = ()
         self._texts: list[StatusText] = []
 
     @property
     def health(self) -> Health:
         """What the checks look at now."""
         return self._health_watch.health
-
-    @property
-    def rules(self) -> ModeRules:
-        """The row of the mode that is flown, in the table of modes."""
-        return MODES[self.state.mode]
 
     def say(self, severity: int, text: str) -> None:
         """Tell the pilot; PX4's texts end in a tab."""
@@ -116,15 +112,15 @@ class Commander:
         texts, self._texts = self._texts, []
         return texts
 
-    def drain_transitions(self) -> tuple[ModeTransition, ...]:
+    def take_transitions(self) -> tuple[ModeTransition, ...]:
         """Take what happened to the state since the last call."""
-        transitions, self._transitions = self._transitions, ()
+        transitions, self.transitions = self.transitions, ()
         return transitions
 
     def start_airborne(self) -> None:
         """Begin in flight, in OFFBOARD."""
         self._is_ready = True
-        self.state = CommanderState(
+        state = CommanderState(
             armed=True,
             intended=Mode.OFFBOARD,
             mode=Mode.OFFBOARD,
@@ -132,7 +128,7 @@ class Commander:
             landed=False,
             has_flown=True,
         )
-        self._transitions += (ModeTransition.SWITCHED,)
+        self._become(state, ModeTransition.SWITCHED)
 
     def update(self, time_us: int, *, landed: bool) -> None:
         """Advance to `time_us`: failsafe, landing, automatic disarming."""
@@ -161,14 +157,14 @@ class Commander:
         if not can_arm(state.intended, self.health):
             self.say(CRITICAL, "Arming denied: Resolve system health failures first")
             return False
-        self.state = state._replace(
+        armed = state._replace(
             armed=True,
             has_flown=False,
             landed=True,
             since_us=self._time_us,
             after_disarming=state.intended,
         )
-        self._transitions += (ModeTransition.ARMED,)
+        self._become(armed, ModeTransition.ARMED)
         self.say(INFO, text)
         return True
 
@@ -193,36 +189,42 @@ class Commander:
         if final or (state.armed and not can_run(mode, self.health)):
             self.say(CRITICAL, f"Switching to {rules.name} is currently not available")
             return False
+        happened: tuple[ModeTransition, ...] = ()
         if mode is not state.intended or goal is not None or state.failsafe:
-            self._transitions += (ModeTransition.SWITCHED,)
+            happened = (ModeTransition.SWITCHED,)
             state = state._replace(goal=goal or NO_GOAL)
         if state.failsafe:
             state = state._replace(memory=override(self._failsafe_inputs(), state.memory))
         if rules.armable and (self.health.offboard_available or not rules.needs.setpoints):
             state = state._replace(after_disarming=mode)
-        self.state = state._replace(intended=mode, mode=state.mode if state.armed else mode)
+        state = state._replace(intended=mode, mode=state.mode if state.armed else mode)
+        self._become(state, *happened)
         if state.armed:
             self._decide()
         return True
 
     def terminate(self) -> None:
         """Stop the rotors for good, as in PX4: until the next boot."""
-        self.state = self.state._replace(intended=Mode.TERMINATION, mode=Mode.TERMINATION)
+        self._become(self.state._replace(intended=Mode.TERMINATION, mode=Mode.TERMINATION))
         self.say(CRITICAL, "Flight termination active")
 
     def continue_as_hold(self) -> None:
         """Hold where the take-off leads: the motion goes on, no mode begins anew."""
-        self.state = self.state._replace(
-            intended=Mode.HOLD, mode=Mode.HOLD, after_disarming=Mode.HOLD
-        )
+        hold = Mode.HOLD
+        self._become(self.state._replace(intended=hold, mode=hold, after_disarming=hold))
+
+    def _become(self, state: CommanderState, *happened: ModeTransition) -> None:
+        """Change mode or arming."""
+        self.state, self.rules = state, MODES[state.mode]
+        self.transitions += happened
 
     def _decide(self) -> None:
         """Let the failsafe table choose the mode, and say so when it takes over."""
-        state, judged_by = self.state, (self.health, self.parameters)
-        if MODES[state.intended].is_final:
-            return
+        state, judged_by = self.state, (self._health_watch.health, self.parameters)
         if state.intended is state.mode and judged_by == self._fine_with:
             return  # nothing has changed since all was well
+        if self.rules.is_final:
+            return
         decision, memory = decide(self._failsafe_inputs(), state.memory, self._time_us)
         is_fine = decision.cause is None and memory == CALM
         self._fine_with = judged_by if is_fine else None
@@ -234,8 +236,7 @@ class Commander:
         elif MODES[decision.mode].is_final:
             self.terminate()
         elif decision.mode is not state.mode:
-            self.state = self.state._replace(mode=decision.mode)
-            self._transitions += (ModeTransition.SWITCHED,)
+            self._become(self.state._replace(mode=decision.mode), ModeTransition.SWITCHED)
 
     def _failsafe_inputs(self) -> FailsafeInputs:
         state = self.state
@@ -265,7 +266,7 @@ class Commander:
         """Stop, and fall back to the mode that the user last chose and that could be armed."""
         state = self.state
         mode = state.mode if self.rules.is_final else state.after_disarming
-        self.state = state._replace(
+        disarmed = state._replace(
             armed=False,
             intended=mode,
             mode=mode,
@@ -274,5 +275,5 @@ class Commander:
             memory=CALM,
             landed=True,
         )
-        self._transitions += (ModeTransition.DISARMED,)
+        self._become(disarmed, ModeTransition.DISARMED)
         self.say(INFO, text)

@@ -21,6 +21,7 @@ from sitl.records.missions import (
     PlanKind,
 )
 from sitl.records.motion import Vector3
+from sitl.records.sensing import NO_ESTIMATE, Estimate
 from sitl.records.texts import CRITICAL
 
 SETTLING_US = 100_000  # PX4 was seen to refuse a start within some 100 ms of the upload in flight
@@ -37,14 +38,6 @@ class PlanParameters(NamedTuple):
     def resolve(cls, values: ParameterValues) -> Self:
         """Take PX4's values."""
         return cls(rtl_type=int(values["RTL_TYPE"]), first_max_m=values["MIS_DIST_1WP"])
-
-
-class Whereabouts(NamedTuple):
-    """Where the vehicle and its home are, by which plans are judged."""
-
-    time_us: int = 0
-    position_ned: Vector3 = ORIGIN
-    home_ned: Vector3 = ORIGIN
 
 
 class Missions:
@@ -66,7 +59,8 @@ class Missions:
         self._health_watch = health_watch
         self._origin = origin  # latitude deg, longitude deg, altitude m of the local frame
         self._plans: dict[PlanKind, Plan] = dict.fromkeys(PlanKind, ())
-        self._whereabouts = Whereabouts()
+        self._estimate = NO_ESTIMATE  # the last with a position, by which plans are judged
+        self._home_ned = ORIGIN
         self._uploaded_us = 0
         self._may_be_flown = False  # there is a mission, and the fence permits it
         self._objection: str | None = None  # to the mission; said once
@@ -75,11 +69,10 @@ class Missions:
     @property
     def is_available(self) -> bool:
         """Whether there is a mission that may be flown; in flight, a new one takes its time."""
-        settles = (
-            not self._commander.state.landed
-            and self._whereabouts.time_us - self._uploaded_us < SETTLING_US
-        )
-        return self._may_be_flown and not settles
+        if not self._may_be_flown:
+            return False
+        settled = self._estimate.time_us - self._uploaded_us >= SETTLING_US
+        return settled or self._commander.state.landed
 
     def plan(self, kind: PlanKind) -> Plan:
         """Give a list, empty if there is none."""
@@ -99,7 +92,7 @@ class Missions:
         self._plans[kind] = plan
         if kind is PlanKind.MISSION:
             self.flight.take(plan, current)
-            self._uploaded_us = self._whereabouts.time_us
+            self._uploaded_us = self._estimate.time_us
         if kind is not PlanKind.RALLY:
             self._objection = None
             self.judge_mission()
@@ -132,25 +125,25 @@ class Missions:
             state = MissionState.PAUSED if flight.started else MissionState.NOT_STARTED
         return MissionProgress(flight.current, total, state, in_mission)
 
-    def watch(self, time_us: int, position_ned: Vector3, home_ned: Vector3) -> bool:
+    def watch(self, estimate: Estimate, home_ned: Vector3) -> bool:
         """Look whether the fence is breached, and say so when it begins."""
-        self._whereabouts = Whereabouts(time_us, position_ned, home_ned)
-        breach = self._fence.breach(time_us, position_ned, home_ned)
-        begins = breach is not None and self._breach is None
-        self._breach = breach
-        acts = self._fence.parameters.acts
-        if begins and acts and self._commander.state.armed:
+        self._estimate, self._home_ned = estimate, home_ned
+        breach = self._fence.breach(estimate.time_us, estimate.position_ned, home_ned)
+        begins, self._breach = self._breach is None, breach
+        if breach is None or not self._fence.parameters.acts:
+            return False
+        if begins and self._commander.state.armed:
             self._commander.say(CRITICAL, f"Geofence violation: {breach}")
-        return breach is not None and acts
+        return True
 
     def permits(self, place_ned: Vector3) -> bool:
         """Whether the fence lets the vehicle be led somewhere; NaN: where it is."""
-        _, position, home = self._whereabouts
         x, y, z = (
             here if math.isnan(there) else there
-            for there, here in zip(place_ned, position, strict=True)
+            for there, here in zip(place_ned, self._estimate.position_ned, strict=True)
         )
-        return not self._fence.parameters.acts or self._fence.judge((x, y, z), home) is None
+        fence = self._fence
+        return not fence.parameters.acts or fence.judge((x, y, z), self._home_ned) is None
 
     def destination(self, position_ned: Vector3, home_ned: Vector3) -> Vector3:
         """Where a return leads."""
@@ -170,7 +163,7 @@ class Missions:
     def _take_fence(self, plan: Plan) -> bool:
         """Take a fence, unless the vehicle would be outside of it in flight."""
         self._fence.take(plan)
-        if self._commander.state.landed or self.permits(self._whereabouts.position_ned):
+        if self._commander.state.landed or self.permits(self._estimate.position_ned):
             return True
         self._fence.take(self._plans[PlanKind.FENCE])
         text = "Geofence invalid, doesn't contain current vehicle position"
@@ -187,12 +180,12 @@ class Missions:
                 return f"Geofence violation for waypoint {number}"
         first_max_m = self.parameters.first_max_m
         if places and first_max_m > 0.0:
-            away_m = math.dist(places[0][1][:2], self._whereabouts.position_ned[:2])
+            away_m = math.dist(places[0][1][:2], self._estimate.position_ned[:2])
             if away_m > first_max_m:  # NaN, the place left open, is here
                 return f"First waypoint too far away: {away_m:.0f}m, {first_max_m:.0f} max"
         return None
 
     def _place_of(self, item: MissionItem) -> Vector3:
         x, y, z = ned_from_geodetic((item.latitude_deg, item.longitude_deg, item.z), self._origin)
-        home_down = self._whereabouts.home_ned[2]
+        home_down = self._home_ned[2]
         return (x, y, home_down - item.z if item.frame in RELATIVE_FRAMES else z)

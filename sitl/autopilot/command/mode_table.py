@@ -41,7 +41,7 @@ class Leader(Enum):
     STICKS = "sticks"
     MISSION = "mission"  # by way of the navigator
     NAVIGATOR = "navigator"
-    NOBODY = "nobody"  # the rotors stop
+    NOBODY = "nobody"
 
 
 class Acceptance(Enum):
@@ -77,11 +77,7 @@ class ModeRules(NamedTuple):
     landed_state_in_air: int = 2  # MAV_LANDED_STATE: 2 in the air, 3 taking off, 4 landing
     exception_bit: int = 0  # of COM_RCL_EXCEPT and COM_DLL_EXCEPT: a lost link does nothing
     override_bit: int = 0  # of COM_RC_OVERRIDE: moved sticks take over
-
-    @property
-    def is_final(self) -> bool:
-        """Whether no other mode follows."""
-        return self.leader is Leader.NOBODY
+    is_final: bool = False  # the rotors stop, and no other mode follows
 
 
 WHERE_IT_IS = Needs(attitude=True, position=True, altitude=True)
@@ -172,7 +168,7 @@ MODES: Mapping[Mode, ModeRules] = {
         on_the_way_down=True,
         override_bit=IN_AUTO,
     ),
-    Mode.TERMINATION: ModeRules("Termination", Leader.NOBODY, accepted=NEVER),
+    Mode.TERMINATION: ModeRules("Termination", Leader.NOBODY, accepted=NEVER, is_final=True),
 }
 # Setpoints that ask for an attitude or for rates need no position.
 OFFBOARD_BY_ATTITUDE = MODES[Mode.OFFBOARD]._replace(

@@ -31,11 +31,11 @@ class ModeSetpoints:
 
     def wants_climb(self, estimate: Estimate, *, landed: bool, flying: bool) -> bool:
         """Whether a vehicle that is not flying yet is to take off."""
-        leader = self._leader
+        leader = self._commander.rules.leader
         if leader is Leader.STREAM:
             return self._offboard.wants_climb(estimate.time_us, estimate.position_ned[2])
         if leader is Leader.STICKS:
-            return self._manual.wants_climb
+            return self._commander.health.sticks_available and self._manual.wants_climb
         if leader is Leader.MISSION:
             flight = self._missions.flight
             return not flying and flight.wants_climb(estimate, landed=landed)
@@ -43,10 +43,10 @@ class ModeSetpoints:
 
     def now(self, estimate: Estimate, *, in_flight: bool) -> Setpoint:
         """Move whoever leads by one tick."""
-        leader = self._leader
+        leader = self._commander.rules.leader
         if leader is Leader.STREAM:
             return self._offboard.setpoint(estimate.time_us, yaw_of(estimate.q_ned_frd))
-        if leader is Leader.STICKS:
+        if leader is Leader.STICKS and self._commander.health.sticks_available:
             manual, mode = self._manual, self._commander.state.mode
             return manual.advance(mode, estimate) if in_flight else manual.wait(estimate)
         if not in_flight:
@@ -58,10 +58,3 @@ class ModeSetpoints:
         if leader is Leader.MISSION and self._missions.flight.take_return():
             self._commander.switch(Mode.RTL)
         return setpoint if estimate.position_valid else level(setpoint)
-
-    @property
-    def _leader(self) -> Leader:
-        leader = self._commander.rules.leader
-        if leader is Leader.STICKS and not self._commander.health.sticks_available:
-            return Leader.NAVIGATOR
-        return leader

@@ -49,7 +49,8 @@ class Leg(NamedTuple):
     target_ned: Vector3 = NOWHERE  # m
     yaw_rad: float = NAN
     climbs: bool = False  # straight up, at the take-off's speed
-    lands: bool = False  # straight down, whatever the target's height
+    lands: bool = False  # straight down, whatever the target's height; slower near the ground
+    sinks: bool = False  # likewise, always slowly
 
 
 class MissionParameters(NamedTuple):

@@ -82,6 +82,7 @@ class NavigatorState(NamedTuple):
 
     mode: Mode = Mode.HOLD
     goal: Goal = Goal()
+    leg: Leg = Leg()  # that leads to the goal; missions and returns have their own
     home_ned: Vector3 = ORIGIN
     return_home: ReturnHome = ReturnHome()
     speed_m_s: float = NAN  # horizontal; NaN: the usual one
@@ -116,6 +117,7 @@ class Navigator:
         self.state = NavigatorState(
             mode,
             goal,
+            _leg_of(mode, goal),
             home_ned,
             ReturnHome.start(position, home_ned, goal.yaw_rad, self.parameters.return_home),
             goal.speed_m_s,
@@ -128,7 +130,8 @@ class Navigator:
 
     def hold_where_takeoff_leads(self) -> None:
         """Go from take-off to hold without a break in the motion."""
-        self.state = self.state._replace(mode=Mode.HOLD)
+        leg = _leg_of(Mode.HOLD, self.state.goal)
+        self.state = self.state._replace(mode=Mode.HOLD, leg=leg)
 
     def takeoff_done(self, estimate: Estimate) -> bool:
         """Whether a take-off has brought the vehicle itself close enough to its altitude."""
@@ -203,21 +206,15 @@ class Navigator:
 
     def _lead(self, estimate: Estimate) -> tuple[Leg, float]:
         """Give the leg to fly, and the rate of a descent (NaN: none)."""
-        mode, goal = self.state.mode, self.state.goal
-        if mode is Mode.HOLD:
-            return Leg(goal.position_ned, goal.yaw_rad), NAN
-        if mode is Mode.TAKEOFF:  # straight up, and sideways only afterwards
-            return Leg((NAN, NAN, goal.position_ned[2]), goal.yaw_rad, climbs=True), NAN
+        mode, leg = self.state.mode, self.state.leg
         if mode is Mode.MISSION:
             leg = self._mission.update(estimate)
         elif mode is Mode.RTL:
             leg = self._return(estimate)
-        elif mode is Mode.LAND:
-            leg = Leg(NOWHERE, goal.yaw_rad, lands=True)
-        else:  # a mode that needs sticks, without sticks
-            return Leg(NOWHERE, goal.yaw_rad), self.parameters.landing_m_s
-        height = self.state.home_ned[2] - estimate.position_ned[2]
-        return leg, self.parameters.descent_m_s(height) if leg.lands else NAN
+        if leg.lands:
+            height = self.state.home_ned[2] - estimate.position_ned[2]
+            return leg, self.parameters.descent_m_s(height)
+        return leg, self.parameters.landing_m_s if leg.sinks else NAN
 
     def _return(self, estimate: Estimate) -> Leg:
         parameters, before = self.parameters.return_home, self.state.return_home
@@ -238,3 +235,14 @@ class Navigator:
             wanted = math.atan2(y, x) if far else heading.rest_rad(parameters)
         heading = self._heading = heading.turn(wanted, parameters)
         return heading.yaw_rad, heading.rate_rad_s
+
+
+def _leg_of(mode: Mode, goal: Goal) -> Leg:
+    """Give the leg of a mode that has but one."""
+    if mode is Mode.HOLD:
+        return Leg(goal.position_ned, goal.yaw_rad)
+    if mode is Mode.TAKEOFF:  # straight up, and sideways only afterwards
+        return Leg((NAN, NAN, goal.position_ned[2]), goal.yaw_rad, climbs=True)
+    if mode is Mode.LAND:
+        return Leg(NOWHERE, goal.yaw_rad, lands=True)
+    return Leg(NOWHERE, goal.yaw_rad, sinks=True)  # a mode that needs sticks, without sticks
