@@ -20,7 +20,7 @@ from sitl.autopilot.parameters import ParameterValues
 
 
 class AutopilotParameters(NamedTuple):
-    """One record a part."""
+    """One record per part, each resolved by its own rules."""
 
     health: HealthParameters
     commander: CommanderParameters
@@ -40,19 +40,5 @@ class AutopilotParameters(NamedTuple):
     @classmethod
     def resolve(cls, values: ParameterValues) -> Self:
         """Take PX4's values, in SI units."""
-        return cls(
-            health=HealthParameters.resolve(values),
-            commander=CommanderParameters.resolve(values),
-            plans=PlanParameters.resolve(values),
-            entry=EntryParameters.resolve(values),
-            stick_override=OverrideParameters.resolve(values),
-            fence=FenceParameters.resolve(values),
-            mission=MissionParameters.resolve(values),
-            navigator=NavigatorParameters.resolve(values),
-            offboard=OffboardParameters.resolve(values),
-            manual=ManualParameters.resolve(values),
-            takeoff=TakeoffParameters.resolve(values),
-            land_detector=LandDetectorParameters.resolve(values),
-            limits=LimitParameters.resolve(values),
-            cascade=CascadeParameters.resolve(values),
-        )
+        parts = cls.__annotations__.items()
+        return cls(**{name: part.resolve(values) for name, part in parts})
