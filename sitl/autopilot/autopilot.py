@@ -2,27 +2,29 @@
 
 from collections.abc import Sequence
 
-from sitl.autopilot.command.commander import Commander
+from sitl.autopilot.autopilot_parameters import AutopilotParameters
+from sitl.autopilot.command.commander import Commander, ModeTransition
 from sitl.autopilot.command.commands import Commands
 from sitl.autopilot.command.failure_commands import FailureCommands
 from sitl.autopilot.command.health_watch import HealthWatch
 from sitl.autopilot.command.missions import Missions
 from sitl.autopilot.command.mode_entry import ModeEntry
+from sitl.autopilot.command.mode_table import Leader
 from sitl.autopilot.command.report import report_setpoint, report_status
-from sitl.autopilot.command.setpoints import Setpoints
+from sitl.autopilot.command.setpoints import ModeSetpoints
 from sitl.autopilot.command.stick_override import StickOverride
-from sitl.autopilot.control.cascade import Cascade, CascadeParameters
-from sitl.autopilot.control.limits import LimitParameters
+from sitl.autopilot.control.cascade import Cascade
+from sitl.autopilot.flight_modes.geofence import Geofence
 from sitl.autopilot.flight_modes.home import Home
-from sitl.autopilot.flight_modes.land_detector import LandDetector, LandDetectorParameters
-from sitl.autopilot.flight_modes.manual import Manual, ManualParameters
+from sitl.autopilot.flight_modes.land_detector import LandDetector
+from sitl.autopilot.flight_modes.manual import Manual
+from sitl.autopilot.flight_modes.mission import MissionFlight
 from sitl.autopilot.flight_modes.navigator import Navigator
-from sitl.autopilot.flight_modes.offboard import OffboardParameters, OffboardStream
-from sitl.autopilot.flight_modes.takeoff import Takeoff, TakeoffParameters, TakeoffStage
+from sitl.autopilot.flight_modes.offboard import OffboardStream
+from sitl.autopilot.flight_modes.takeoff import Takeoff, TakeoffStage
 from sitl.autopilot.parameters import Parameters
 from sitl.frames import yaw_of
 from sitl.records.failures import Failure
-from sitl.records.modes import Mode
 from sitl.records.motion import MotorThrusts, Vector3
 from sitl.records.sensing import NO_ESTIMATE, Estimate
 from sitl.records.texts import StatusText
@@ -57,39 +59,42 @@ class Autopilot:
         home: Vector3,
     ) -> None:
         self.parameters = parameters
-        values = self._values = parameters.values
+        self._values = parameters.values
+        p = AutopilotParameters.resolve(self._values)
         self._home = home
         self._home_place = Home()
         self._hover_thrust = hover_thrust
         self._estimate = NO_ESTIMATE
-        self._entries = self._armings = 0
         self._airborne_pending = False
         self._clear = False  # flying, and once well above the ground
-        self._limits = LimitParameters.resolve(values)
-        self._cascade = Cascade(
-            CascadeParameters.resolve(values), rotor_positions_frd_m, rotor_yaw_moments_m
+        self._cascade = Cascade(p.cascade, rotor_positions_frd_m, rotor_yaw_moments_m)
+        self._offboard = OffboardStream(p.offboard)
+        self._manual = Manual(p.manual)
+        self._takeoff = Takeoff(p.takeoff)
+        self._land_detector = LandDetector(p.land_detector)
+        self._health = HealthWatch(p.health)
+        commander = self._commander = Commander(p.commander, self._health)
+        flight = self._mission_flight = MissionFlight(p.mission, home, commander.say)
+        self._fence = Geofence(p.fence, home)
+        missions = self.missions = Missions(
+            p.plans, commander, self._health, flight, self._fence, home
         )
-        commander = self._commander = Commander(parameters)
-        missions = self.missions = Missions(parameters, commander, home)
-        navigator = self._navigator = Navigator(parameters, missions.flight)
-        self._entry = ModeEntry(
-            parameters, commander, navigator, missions, self._home_place, altitude_m=home[2]
-        )
+        navigator = self._navigator = Navigator(p.navigator, flight)
+        self._entry = ModeEntry(p.entry, commander, navigator, missions, self._home_place, home[2])
         self._failures = FailureCommands(parameters, commander)
         self._commands = Commands(commander, missions, navigator, self._failures, home)
-        self._offboard = OffboardStream(OffboardParameters.resolve(values))
-        self._manual = Manual(ManualParameters.resolve(values))
-        self._stick_override = StickOverride(parameters)
-        self._setpoints = Setpoints(commander, missions, navigator, self._offboard, self._manual)
-        self._health = HealthWatch(parameters)
-        self._takeoff = Takeoff(TakeoffParameters.resolve(values))
-        self._land_detector = LandDetector(LandDetectorParameters.resolve(values))
+        self._stick_override = StickOverride(p.stick_override)
+        self._setpoints = ModeSetpoints(
+            commander, missions, navigator, self._offboard, self._manual
+        )
+        self._limits = p.limits
 
     def start_airborne(self) -> None:
         """Begin in the air, armed, in OFFBOARD, hovering: for training, never for a flight."""
         self._airborne_pending = self._clear = True
         self._home_place.start_airborne()
         self._commander.start_airborne()
+        self._health.start_airborne()
         self._takeoff.start_airborne()
         self._land_detector.start_airborne()
         self._cascade.start_airborne(self._hover_thrust)
@@ -105,29 +110,26 @@ class Autopilot:
                 OffboardSetpoint(time_us=estimate.time_us, velocity_ned=ORIGIN, yaw_rate_rad_s=0.0)
             )
         commander = self._commander
-        just_armed = commander.armings != self._armings
+        just_armed = ModeTransition.ARMED in commander.transitions  # by a command
         if just_armed:  # perhaps in the same tick as it was disarmed
-            self._armings = commander.armings
             self._takeoff.update(estimate.time_us, armed=False, landed=True, wants_climb=False)
-            self._health.links.armed(estimate.time_us)
+            self._health.armed(estimate.time_us)
         landed = self._detect_landing(estimate)
-        health = self._health.update(
+        self._health.update(
             estimate,
             self._offboard,
             fence_breached=self._is_fence_breached(estimate),
             mission_available=self.missions.is_available,
-            mission_failed=self.missions.flight.failed,
+            mission_failed=self._mission_flight.state.failed,
         )
-        commander.update(estimate.time_us, health, landed=landed)
-        request, self._commands.home_request = self._commands.home_request, None
-        self._home_place.keep(estimate, request, just_armed=just_armed)
-        if commander.entries != self._entries:
-            self._entries = commander.entries
+        commander.update(estimate.time_us, landed=landed)
+        home_request = self._commands.take_home_request()
+        self._home_place.keep(estimate, home_request, just_armed=just_armed)
+        if commander.take_transitions():
             flies = self._takeoff.state.stage is TakeoffStage.FLIGHT
-            self._entry.begin(
-                estimate, self._cascade.state.attitude.acceleration_ned if flies else ORIGIN
-            )
-        if not commander.armed or commander.mode is Mode.TERMINATION:
+            followed = self._cascade.state.attitude
+            self._entry.begin(estimate, followed.acceleration_ned if flies else ORIGIN)
+        if not commander.state.armed or commander.rules.is_final:
             self._takeoff.update(estimate.time_us, armed=False, landed=True, wants_climb=False)
             return self._cascade.stop(estimate)
         return self._fly(estimate, landed=landed)
@@ -141,27 +143,21 @@ class Autopilot:
         return self._commands.set_mode(main, sub)
 
     def offboard_setpoint(self, setpoint: OffboardSetpoint) -> None:
-        """Take a setpoint of the offboard stream; OFFBOARD may be asked for right after it."""
+        """Take a setpoint of the offboard stream; OFFBOARD may be chosen right after it."""
         self._offboard.receive(setpoint)
-        self._commander.health = self._commander.health._replace(
-            offboard_available=True, offboard_by_attitude=False
-        )
+        self._health.setpoint_heard(by_attitude=False)
 
     def attitude_setpoint(self, setpoint: AttitudeTarget) -> None:
         """Take a setpoint of the offboard stream that asks for an attitude or body rates."""
         self._offboard.receive_attitude(setpoint)
-        self._commander.health = self._commander.health._replace(
-            offboard_available=True, offboard_by_attitude=True
-        )
+        self._health.setpoint_heard(by_attitude=True)
 
     def manual_control(self, sticks: Sticks) -> None:
         """Take the sticks' positions, if COM_RC_IN_MODE wants them from MAVLink."""
-        links = self._health.links
-        if not links.takes_sticks:
+        if not self._health.parameters.links.takes_sticks:
             return
-        links.sticks.heard(sticks.time_us)
+        self._health.sticks_heard(sticks.time_us)
         self._manual.receive(sticks)
-        self._commander.health = self._commander.health._replace(sticks_available=True)
         if self._stick_override.moves(sticks):
             self._stick_override.take_over(self._commander)
 
@@ -175,16 +171,16 @@ class Autopilot:
 
     def ground_station_heard(self) -> None:
         """Note a ground station's heartbeat: its loss is a failsafe's matter."""
-        self._health.links.ground_station.heard(self._estimate.time_us)
+        self._health.ground_station_heard(self._estimate.time_us)
 
     def companion_heard(self) -> None:
         """Note a companion computer's heartbeat: its loss is told."""
-        self._health.links.companion.heard(self._estimate.time_us)
+        self._health.companion_heard(self._estimate.time_us)
 
     @property
     def armed(self) -> bool:
         """Whether the rotors may turn."""
-        return self._commander.armed
+        return self._commander.state.armed
 
     @property
     def yaw_rad(self) -> float:
@@ -209,8 +205,8 @@ class Autopilot:
 
     def _fly(self, estimate: Estimate, *, landed: bool) -> MotorThrusts:
         """Fly the mode, or stand on the ground with the rotors turning."""
-        takeoff, mode = self._takeoff, self._commander.mode
-        attitude = self._offboard.attitude if mode is Mode.OFFBOARD else None
+        takeoff, rules = self._takeoff, self._commander.rules
+        attitude = self._offboard.attitude if rules.leader is Leader.STREAM else None
         if attitude is not None:
             lifts = attitude.thrust > LIFT_THRUST
             stage = takeoff.update_by_thrust(estimate.time_us, landed=landed, lifts=lifts)
@@ -228,8 +224,8 @@ class Autopilot:
             return self._cascade.idle(estimate, IDLE_THRUST)
         limits = self._limits.flight
         if not in_flight:
-            automatic = mode in (Mode.TAKEOFF, Mode.MISSION)
-            speed_up = self._limits.takeoff_speed_m_s if automatic else limits.speed_up_m_s
+            by_itself = rules.takes_off
+            speed_up = self._limits.takeoff_speed_m_s if by_itself else limits.speed_up_m_s
             speed_up = takeoff.speed_limit(estimate.time_us, speed_up)
             limits = self._limits.takeoff._replace(speed_up_m_s=speed_up)
         setpoint = self._setpoints.now(estimate, in_flight=in_flight)
@@ -237,13 +233,13 @@ class Autopilot:
 
     def _detect_landing(self, estimate: Estimate) -> bool:
         detector, commander = self._land_detector, self._commander
-        followed = self._cascade.state.attitude
+        rules, followed = commander.rules, self._cascade.state.attitude
         # Where thrust is asked for directly, only its size tells a descent.
-        by_thrust = commander.mode is Mode.OFFBOARD and self._offboard.attitude is not None
-        falls = commander.mode is Mode.TERMINATION or by_thrust
+        by_thrust = rules.leader is Leader.STREAM and self._offboard.attitude is not None
+        falls = rules.is_final or by_thrust
         return detector.update(
             estimate,
-            armed=commander.armed,
+            armed=commander.state.armed,
             descending=falls or followed.velocity_ned[2] >= detector.parameters.descent_min_m_s,
             thrust=followed.thrust,
         )
@@ -252,22 +248,25 @@ class Autopilot:
         home = self._home_place.known_ned
         if home is None or not estimate.position_valid:
             return False
-        return self.missions.watch(estimate.time_us, estimate.position_ned, home)
+        return self.missions.watch(estimate, home)
 
     def _load(self) -> None:
         """Hand changed parameters on, as a new record to every part."""
-        values = self._values = self.parameters.values
-        for part in (
-            self._commander,
-            self.missions,
-            self._navigator,
-            self._health,
-            self._stick_override,
-        ):
-            part.load(self.parameters)
-        self._limits = LimitParameters.resolve(values)
-        self._cascade.parameters = CascadeParameters.resolve(values)
-        self._offboard.parameters = OffboardParameters.resolve(values)
-        self._manual.parameters = ManualParameters.resolve(values)
-        self._takeoff.parameters = TakeoffParameters.resolve(values)
-        self._land_detector.parameters = LandDetectorParameters.resolve(values)
+        self._values = self.parameters.values
+        p = AutopilotParameters.resolve(self._values)
+        self._health.parameters = p.health
+        self._commander.parameters = p.commander
+        self.missions.parameters = p.plans
+        self._entry.parameters = p.entry
+        self._stick_override.parameters = p.stick_override
+        self._fence.parameters = p.fence
+        self._mission_flight.parameters = p.mission
+        self._navigator.parameters = p.navigator
+        self._offboard.parameters = p.offboard
+        self._manual.parameters = p.manual
+        self._takeoff.parameters = p.takeoff
+        self._land_detector.parameters = p.land_detector
+        self._cascade.parameters = p.cascade
+        self._limits = p.limits
+        self.missions.judge_mission()
+        self._health.judge_battery()

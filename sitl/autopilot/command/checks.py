@@ -1,34 +1,20 @@
-"""Which modes can be armed, and which can run now."""
+"""Which modes can be armed, and which can run now, by the table of modes."""
 
 from enum import IntEnum
 from typing import NamedTuple
 
+from sitl.autopilot.command.mode_table import (
+    MODES,
+    OFFBOARD_BY_ATTITUDE,
+    Acceptance,
+    ModeRules,
+    Needs,
+)
 from sitl.records.modes import Mode
 from sitl.records.sensing import SensorHealth
 
-NAMES = {
-    Mode.MANUAL: "Manual",
-    Mode.ALTCTL: "Altitude",
-    Mode.POSCTL: "Position",
-    Mode.ACRO: "Acro",
-    Mode.STABILIZED: "Stabilized",
-    Mode.OFFBOARD: "Offboard",
-    Mode.TAKEOFF: "Takeoff",
-    Mode.HOLD: "Hold",
-    Mode.MISSION: "Mission",
-    Mode.RTL: "Return",
-    Mode.LAND: "Land",
-    Mode.FOLLOW: "Follow Target",
-    Mode.PRECLAND: "Precision Landing",
-    Mode.TERMINATION: "Termination",
-}
 
-ARMABLE = {Mode.HOLD, Mode.TAKEOFF, Mode.OFFBOARD, Mode.MISSION, Mode.ALTCTL, Mode.POSCTL}
-NEEDS_POSITION = {*ARMABLE - {Mode.ALTCTL}, Mode.RTL}
-NEEDS_STICKS = {Mode.ALTCTL, Mode.POSCTL}
-
-
-class Battery(IntEnum):
+class BatteryLevel(IntEnum):
     """How empty the battery is."""
 
     FINE = 0
@@ -51,35 +37,44 @@ class Health(NamedTuple):
     mission_available: bool = False  # uploaded, and within the fence
     mission_failed: bool = False  # and no other was uploaded since
     fence_breached: bool = False  # and GF_ACTION is set
-    battery: Battery = Battery.FINE
+    battery: BatteryLevel = BatteryLevel.FINE
     sensors: SensorHealth = SensorHealth()
     settled: bool = True  # the estimate, after boot
 
 
-def can_run(mode: Mode, health: Health) -> bool:
-    """Say whether a mode may be switched to in flight.
+def rules_of(mode: Mode, health: Health) -> ModeRules:
+    """Give a mode's row of the table."""
+    rules = MODES[mode]
+    by_attitude = rules.needs.setpoints and health.offboard_by_attitude
+    return OFFBOARD_BY_ATTITUDE if by_attitude else rules
 
-    There is nobody to follow: the mode that needs one can't run. Manual, acro and stabilised flight
-    are not offered.
-    """
-    if mode is Mode.LAND:  # always accepted: the way out
-        return True
-    if mode is Mode.ALTCTL:
-        return health.attitude_valid and health.altitude_valid and health.sticks_available
-    if mode is Mode.OFFBOARD and health.offboard_by_attitude:
-        return health.attitude_valid and health.offboard_available
-    located = health.attitude_valid and health.position_valid and health.altitude_valid
-    supplied = {
-        Mode.OFFBOARD: health.offboard_available,
-        Mode.MISSION: health.mission_available,
-        Mode.POSCTL: health.sticks_available,
-    }
-    return mode in NEEDS_POSITION and located and supplied.get(mode, True)
+
+def is_known(needs: Needs, health: Health) -> bool:
+    """Say whether the estimate gives what is needed of it."""
+    return (
+        (health.attitude_valid or not needs.attitude)
+        and (health.position_valid or not needs.position)
+        and (health.altitude_valid or not needs.altitude)
+    )
+
+
+def can_run(mode: Mode, health: Health) -> bool:
+    """Say whether a mode may be switched to in flight."""
+    rules = rules_of(mode, health)
+    if rules.accepted is not Acceptance.WITH_ITS_NEEDS:
+        return rules.accepted is Acceptance.ALWAYS
+    needs = rules.needs
+    return (
+        is_known(needs, health)
+        and (health.offboard_available or not needs.setpoints)
+        and (health.sticks_available or not needs.sticks)
+        and (health.mission_available or not needs.mission)
+    )
 
 
 def can_arm(mode: Mode, health: Health) -> bool:
     """Say whether the vehicle may be armed in a mode."""
     sensors = health.sensors
     sound = sensors.gyro and sensors.accelerometer and sensors.magnetometer and sensors.barometer
-    fit = sound and health.battery < Battery.LOW and not health.fence_breached
-    return mode in ARMABLE and fit and health.settled and can_run(mode, health)
+    fit = sound and health.battery < BatteryLevel.LOW and not health.fence_breached
+    return MODES[mode].armable and fit and health.settled and can_run(mode, health)

@@ -3,23 +3,30 @@
 What the user intends and what is flown differ only in a failsafe:
 
     intended --failsafe.decide--> mode;  disarmed: mode = intended, whatever it is
+
+The state is one frozen record, which only the commander replaces. What happened to it is queued as
+transitions, each of which begins the mode anew.
 """
 
-from sitl.autopilot.command.checks import ARMABLE, NAMES, Health, can_arm, can_run
+from enum import Enum
+from typing import NamedTuple, Self
+
+from sitl.autopilot.command.checks import Health, can_arm, can_run
 from sitl.autopilot.command.failsafe import (
-    Action,
-    Actions,
-    Cause,
-    Conditions,
-    Decision,
-    Memory,
+    FailsafeCause,
+    FailsafeDecision,
+    FailsafeInputs,
+    FailsafeMemory,
+    FailsafeParameters,
     decide,
     override,
 )
+from sitl.autopilot.command.health_watch import HealthWatch
+from sitl.autopilot.command.mode_table import MODES, Action
 from sitl.autopilot.flight_modes.navigator import Goal
-from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.parameters import ParameterValues
 from sitl.clock import SECOND_US
-from sitl.records.modes import BASE_ARMED, BASE_ATTITUDE, Mode
+from sitl.records.modes import Mode
 from sitl.records.texts import CRITICAL, INFO, StatusText
 
 FOLLOWING = {
@@ -28,48 +35,73 @@ FOLLOWING = {
     Action.DISARM: "Disarm",
     Action.TERMINATE: "Flight termination",
 }
-CALM = Memory()
-BOOT, STANDBY, ACTIVE, FAILSAFE, TERMINATED = 0, 3, 4, 5, 8  # MAV_STATE
+CALM = FailsafeMemory()
+NO_GOAL = Goal()
+
+
+class CommanderParameters(NamedTuple):
+    """When to disarm, and what a failsafe does."""
+
+    disarm_landed_us: int  # COM_DISARM_LAND; not above 0: never
+    disarm_preflight_us: int  # COM_DISARM_PRFLT; likewise
+    failsafe: FailsafeParameters
+
+    @classmethod
+    def resolve(cls, values: ParameterValues) -> Self:
+        """Take PX4's values, in SI units."""
+        return cls(
+            disarm_landed_us=round(values["COM_DISARM_LAND"] * SECOND_US),
+            disarm_preflight_us=round(values["COM_DISARM_PRFLT"] * SECOND_US),
+            failsafe=FailsafeParameters.resolve(values),
+        )
+
+
+class CommanderState(NamedTuple):
+    """What is commanded."""
+
+    armed: bool = False
+    intended: Mode = Mode.HOLD  # as the user chose
+    mode: Mode = Mode.HOLD  # that is flown
+    goal: Goal = NO_GOAL
+    cause: FailsafeCause | None = None  # of a failsafe, while there is one
+    memory: FailsafeMemory = CALM
+    after_disarming: Mode = Mode.HOLD  # the last mode chosen that could be armed
+    landed: bool = True  # as last detected
+    has_flown: bool = False  # since arming
+    since_us: int = 0  # arming, take-off or landing, whichever was last
+
+    @property
+    def failsafe(self) -> bool:
+        """Whether a failsafe chooses the mode."""
+        return self.cause is not None
+
+
+class ModeTransition(Enum):
+    """What happened to the state; with each of them the mode begins, perhaps again."""
+
+    ARMED = 1
+    DISARMED = 2
+    SWITCHED = 3
 
 
 class Commander:
     """Keeps the armed state, the intended mode and the mode that is flown."""
 
-    def __init__(self, parameters: Parameters) -> None:
-        self.armed = False
-        self.intended = self.mode = Mode.HOLD
-        self.failsafe = False
-        self._cause: Cause | None = None  # of the failsafe
-        self._memory = CALM
-        self.goal = Goal()
-        self.armings = 0
-        self.entries = 0  # counts beginnings of a mode, so that one can begin again
-        self.health = Health()
-        self._after_disarming = Mode.HOLD
-        self._landed = True
-        self._has_flown = False  # since arming
-        self._since_us = 0  # arming or landing, whichever was last
-        self._ready = False
+    def __init__(self, parameters: CommanderParameters, health_watch: HealthWatch) -> None:
+        self.parameters = parameters
+        self.state = CommanderState()
+        self.rules = MODES[self.state.mode]  # of the mode that is flown
+        self.transitions: tuple[ModeTransition, ...] = ()  # since they were last taken
+        self._health_watch = health_watch
+        self._fine_with: tuple[Health, CommanderParameters] | None = None
+        self._is_ready = False  # to take off, as was said
         self._time_us = 0
         self._texts: list[StatusText] = []
-        self.load(parameters)
 
-    def load(self, parameters: Parameters) -> None:
-        """Take times and actions from the parameters."""
-        p = parameters
-        self._disarm_landed_us = round(p["COM_DISARM_LAND"] * SECOND_US)
-        self._disarm_preflight_us = round(p["COM_DISARM_PRFLT"] * SECOND_US)
-        self._fine_with: Health | None = None  # under which the mode intended is flown
-        self._actions = Actions(
-            int(p["COM_OBL_RC_ACT"]),
-            int(p["NAV_DLL_ACT"]),
-            int(p["COM_DLL_EXCEPT"]),
-            int(p["NAV_RCL_ACT"]),
-            int(p["COM_RCL_EXCEPT"]),
-            int(p["COM_LOW_BAT_ACT"]),
-            int(p["GF_ACTION"]),
-            round(p["COM_FAIL_ACT_T"] * SECOND_US),
-        )
+    @property
+    def health(self) -> Health:
+        """What the checks look at now."""
+        return self._health_watch.health
 
     def say(self, severity: int, text: str) -> None:
         """Tell the pilot; PX4's texts end in a tab."""
@@ -80,171 +112,168 @@ class Commander:
         texts, self._texts = self._texts, []
         return texts
 
+    def take_transitions(self) -> tuple[ModeTransition, ...]:
+        """Take what happened to the state since the last call."""
+        transitions, self.transitions = self.transitions, ()
+        return transitions
+
     def start_airborne(self) -> None:
         """Begin in flight, in OFFBOARD."""
-        self.armed, self._has_flown, self._landed, self._ready = True, True, False, True
-        self.intended = self.mode = self._after_disarming = Mode.OFFBOARD
-        self.failsafe = False
-        self.health = Health(
-            attitude_valid=True, position_valid=True, altitude_valid=True, offboard_available=True
+        self._is_ready = True
+        state = CommanderState(
+            armed=True,
+            intended=Mode.OFFBOARD,
+            mode=Mode.OFFBOARD,
+            after_disarming=Mode.OFFBOARD,
+            landed=False,
+            has_flown=True,
         )
-        self.entries += 1
+        self._become(state, ModeTransition.SWITCHED)
 
-    def update(self, time_us: int, health: Health, *, landed: bool) -> None:
+    def update(self, time_us: int, *, landed: bool) -> None:
         """Advance to `time_us`: failsafe, landing, automatic disarming."""
-        self._time_us, self.health = time_us, health
-        if not self._ready and can_arm(Mode.HOLD, health):
-            self._ready = True
+        self._time_us = time_us
+        if not self._is_ready and can_arm(Mode.HOLD, self.health):
+            self._is_ready = True
             self.say(INFO, "Ready for takeoff!")
-        if not self.armed:
-            self._landed = landed
+        if not self.state.armed:
+            if landed is not self.state.landed:
+                self.state = self.state._replace(landed=landed)
             return
         self._decide()
-        if not self.armed:
+        if not self.state.armed:
             return
-        if landed is not self._landed:
-            self._landed, self._since_us = landed, time_us
-            self._has_flown = True
+        if landed is not self.state.landed:
+            self.state = self.state._replace(landed=landed, since_us=time_us, has_flown=True)
             self.say(INFO, "Landing detected" if landed else "Takeoff detected")
         if landed:
-            self._disarm_when_idle(time_us - self._since_us)
+            self._disarm_when_idle(time_us - self.state.since_us)
 
     def arm(self, text: str = "Armed by external command") -> bool:
         """Arm if the checks pass, and say so."""
-        if self.armed:
+        state = self.state
+        if state.armed:
             return True
-        if not can_arm(self.intended, self.health):
+        if not can_arm(state.intended, self.health):
             self.say(CRITICAL, "Arming denied: Resolve system health failures first")
             return False
-        self.armed, self._has_flown, self._landed = True, False, True
-        self._since_us = self._time_us
-        self._after_disarming = self.intended
-        self.armings += 1
-        self.entries += 1
+        armed = state._replace(
+            armed=True,
+            has_flown=False,
+            landed=True,
+            since_us=self._time_us,
+            after_disarming=state.intended,
+        )
+        self._become(armed, ModeTransition.ARMED)
         self.say(INFO, text)
         return True
 
     def disarm(self, *, force: bool) -> bool:
         """Disarm on the ground, or anywhere if forced."""
-        if not self.armed:
+        if not self.state.armed:
             return True
-        if not (self._landed or force):
+        if not (self.state.landed or force):
             self.say(CRITICAL, "Disarming denied: not landed")
             return False
         self._disarm("Disarmed by external command")
         return True
 
     def switch(self, mode: Mode, goal: Goal | None = None) -> bool:
-        """Intend a mode; refused in flight if it can't run.
+        """Intend a mode and lead it to a goal; refused in flight if it can't run.
 
-        A termination is a command of its own, no mode to choose, and none is left for another.
+        A termination is a command of its own, no mode to choose, and none is left for another. A
+        mode that is chosen takes over from a failsafe.
         """
-        final = self.is_terminated or mode is Mode.TERMINATION
-        if final or (self.armed and not can_run(mode, self.health)):
-            self.say(CRITICAL, f"Switching to {NAMES[mode]} is currently not available")
+        state, rules = self.state, MODES[mode]
+        final = rules.is_final or self.rules.is_final
+        if final or (state.armed and not can_run(mode, self.health)):
+            self.say(CRITICAL, f"Switching to {rules.name} is currently not available")
             return False
-        self.begin(mode, goal)
+        happened: tuple[ModeTransition, ...] = ()
+        if mode is not state.intended or goal is not None or state.failsafe:
+            happened = (ModeTransition.SWITCHED,)
+            state = state._replace(goal=goal or NO_GOAL)
+        if state.failsafe:
+            state = state._replace(memory=override(self._failsafe_inputs(), state.memory))
+        if rules.armable and (self.health.offboard_available or not rules.needs.setpoints):
+            state = state._replace(after_disarming=mode)
+        state = state._replace(intended=mode, mode=state.mode if state.armed else mode)
+        self._become(state, *happened)
+        if state.armed:
+            self._decide()
         return True
 
-    def begin(self, mode: Mode, goal: Goal | None = None) -> None:
-        """Intend a mode, begin it, and lead it to a goal; it takes over from a failsafe."""
-        if mode is not self.intended or goal is not None or self.failsafe:
-            self.entries += 1
-            self.goal = goal or Goal()
-        if self.failsafe:
-            self._memory = override(self._conditions(), self._memory)
-        self.intended = mode
-        if mode in ARMABLE and (mode is not Mode.OFFBOARD or self.health.offboard_available):
-            self._after_disarming = mode
-        if self.armed:
-            self._decide()
-        else:
-            self.mode = mode
-
-    @property
-    def is_terminated(self) -> bool:
-        """Whether the flight was terminated: that is for good, as in PX4, until the next boot."""
-        return self.mode is Mode.TERMINATION
-
     def terminate(self) -> None:
-        """Stop the rotors for good."""
-        self.intended = self.mode = Mode.TERMINATION
+        """Stop the rotors for good, as in PX4: until the next boot."""
+        self._become(self.state._replace(intended=Mode.TERMINATION, mode=Mode.TERMINATION))
         self.say(CRITICAL, "Flight termination active")
 
     def continue_as_hold(self) -> None:
         """Hold where the take-off leads: the motion goes on, no mode begins anew."""
-        self.intended = self.mode = self._after_disarming = Mode.HOLD
+        hold = Mode.HOLD
+        self._become(self.state._replace(intended=hold, mode=hold, after_disarming=hold))
 
-    @property
-    def landed(self) -> bool:
-        """Whether the vehicle stands on the ground, as last detected."""
-        return self._landed
-
-    @property
-    def base_mode(self) -> int:
-        """HEARTBEAT.base_mode."""
-        base = self.mode.base_mode | (BASE_ARMED if self.armed else 0)
-        if self.mode is Mode.OFFBOARD and self.health.offboard_available:
-            base |= BASE_ATTITUDE
-        return base
-
-    @property
-    def system_status(self) -> int:
-        """HEARTBEAT.system_status."""
-        if not self.armed:
-            return STANDBY if can_arm(self.intended, self.health) else BOOT
-        if self.mode is Mode.TERMINATION:
-            return TERMINATED
-        return FAILSAFE if self.failsafe else ACTIVE
+    def _become(self, state: CommanderState, *happened: ModeTransition) -> None:
+        """Change mode or arming."""
+        self.state, self.rules = state, MODES[state.mode]
+        self.transitions += happened
 
     def _decide(self) -> None:
         """Let the failsafe table choose the mode, and say so when it takes over."""
-        if self.intended is Mode.TERMINATION:
-            return
-        if self.health is self._fine_with and self.intended is self.mode:
+        state, judged_by = self.state, (self._health_watch.health, self.parameters)
+        if state.intended is state.mode and judged_by == self._fine_with:
             return  # nothing has changed since all was well
-        decision, self._memory = decide(self._conditions(), self._memory, self._time_us)
-        is_fine = decision.cause is None and self._memory == CALM
-        self._fine_with = self.health if is_fine else None
-        if decision.cause is not self._cause:
+        if self.rules.is_final:
+            return
+        decision, memory = decide(self._failsafe_inputs(), state.memory, self._time_us)
+        is_fine = decision.cause is None and memory == CALM
+        self._fine_with = judged_by if is_fine else None
+        if decision.cause is not state.cause:
             self._tell_of(decision)
-        self.failsafe, self._cause = decision.cause is not None, decision.cause
+        self.state = state._replace(cause=decision.cause, memory=memory)
         if decision.mode is None:
             self._disarm("Disarmed by failsafe")
-        elif decision.mode is Mode.TERMINATION:
+        elif MODES[decision.mode].is_final:
             self.terminate()
-        elif decision.mode is not self.mode:
-            self.mode = decision.mode
-            self.entries += 1
+        elif decision.mode is not state.mode:
+            self._become(self.state._replace(mode=decision.mode), ModeTransition.SWITCHED)
 
-    def _conditions(self) -> Conditions:
-        return Conditions(self.armed, self.intended, self.health, self._actions)
+    def _failsafe_inputs(self) -> FailsafeInputs:
+        state = self.state
+        return FailsafeInputs(state.armed, state.intended, self.health, self.parameters.failsafe)
 
-    def _tell_of(self, decision: Decision) -> None:
+    def _tell_of(self, decision: FailsafeDecision) -> None:
         """Say that a failsafe begins, and why where it isn't plain."""
         cause, following = decision.cause, decision.next_action
         if cause is None:
             return
-        if not self.failsafe:
+        if not self.state.failsafe:
             self.say(CRITICAL, "Failsafe activated")
         if following is not None:
-            seconds = self._actions.hold_us / SECOND_US
+            seconds = self.parameters.failsafe.hold_us / SECOND_US
             self.say(CRITICAL, f"{cause.value}: {FOLLOWING[following]} in {seconds:.0f} s")
-        elif cause is not Cause.SETPOINTS:
+        elif cause is not FailsafeCause.SETPOINTS:
             self.say(CRITICAL, cause.value)
 
     def _disarm_when_idle(self, idle_us: int) -> None:
-        if self._has_flown and 0 < self._disarm_landed_us <= idle_us:
+        landed_us, preflight_us = self.parameters[:2]
+        if self.state.has_flown and 0 < landed_us <= idle_us:
             self._disarm("Disarmed by landing")
-        elif not self._has_flown and 0 < self._disarm_preflight_us <= idle_us:
+        elif not self.state.has_flown and 0 < preflight_us <= idle_us:
             self._disarm("Disarmed by auto preflight disarming")
 
     def _disarm(self, text: str) -> None:
         """Stop, and fall back to the mode that the user last chose and that could be armed."""
-        self.armed, self.failsafe, self._landed = False, False, True
-        self._cause, self._memory = None, Memory()
-        if not self.is_terminated:
-            self.intended = self.mode = self._after_disarming
-        self.goal = Goal()
-        self.entries += 1
+        state = self.state
+        mode = state.mode if self.rules.is_final else state.after_disarming
+        disarmed = state._replace(
+            armed=False,
+            intended=mode,
+            mode=mode,
+            goal=NO_GOAL,
+            cause=None,
+            memory=CALM,
+            landed=True,
+        )
+        self._become(disarmed, ModeTransition.DISARMED)
         self.say(INFO, text)

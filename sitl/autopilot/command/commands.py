@@ -1,4 +1,4 @@
-"""MAVLink commands to the autopilot: each becomes a deed of the commander and a result."""
+"""MAVLink commands to the autopilot: each becomes an action of the commander and a result."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -50,7 +50,7 @@ class Commands:
         self._commander = commander
         self._missions = missions
         self._home = home  # latitude deg, longitude deg, altitude m of the local origin
-        self.home_request: Vector3 | None = None  # local NED, NaN for the present position
+        self._home_request: Vector3 | None = None  # local NED, NaN for the present position
         self._handlers: Mapping[int, Handler] = {
             NAV_RETURN_TO_LAUNCH: lambda _: self._switch(Mode.RTL),
             NAV_LAND: self._land,
@@ -70,6 +70,11 @@ class Commands:
         handler = self._handlers.get(command.command)
         result = UNSUPPORTED if handler is None else handler(command)
         return None if result is None else CommandResult(result=result)
+
+    def take_home_request(self) -> Vector3 | None:
+        """Take where home is to be, if a command has put it there since the last call."""
+        place, self._home_request = self._home_request, None
+        return place
 
     def set_mode(self, main: int, sub: int) -> CommandResult:
         """Switch by PX4's numbers; unknown ones are accepted and change nothing, as PX4 does."""
@@ -96,7 +101,7 @@ class Commands:
 
     def _land(self, _: Command) -> int:
         result = self._switch(Mode.LAND)
-        if result == ACCEPTED and self._commander.armed:
+        if result == ACCEPTED and self._commander.state.armed:
             self._commander.say(INFO, "Landing at current position")
         return result
 
@@ -119,7 +124,7 @@ class Commands:
         return self._switch(Mode.HOLD, Goal(place, command.params[3], speed))
 
     def _terminate(self, command: Command) -> int:
-        if not self._commander.armed:
+        if not self._commander.state.armed:
             return DENIED
         if command.params[0] > 0.5:
             self._commander.terminate()
@@ -130,7 +135,7 @@ class Commands:
         place = (NAN, NAN, NAN) if here else self._place(command)
         if not here and (_is_beyond_earth(command) or any(math.isnan(number) for number in place)):
             return DENIED
-        self.home_request = place
+        self._home_request = place
         return ACCEPTED
 
     def _place(self, command: Command) -> Vector3:

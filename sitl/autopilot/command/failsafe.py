@@ -1,6 +1,6 @@
-"""What the vehicle does when it can't do what it was told: one pure table of conditions.
+"""What the vehicle does when it can't do what it was told: one pure table of inputs.
 
-Each row of `ROWS` looks at the conditions and gives a trigger or none; of all triggers the gravest
+Each row of `ROWS` looks at the inputs and gives a trigger or none; of all triggers the gravest
 action is taken. What happens over time is a pure function of a small memory:
 
     fine --trigger--> HOLD for COM_FAIL_ACT_T, if the trigger waits --> its action
@@ -11,41 +11,17 @@ The intention stays throughout, so that a flight resumes when the cause is gone.
 """
 
 from collections.abc import Callable, Mapping
-from enum import Enum, IntEnum
-from typing import NamedTuple
+from enum import Enum
+from typing import NamedTuple, Self
 
-from sitl.autopilot.command.checks import NEEDS_POSITION, NEEDS_STICKS, Battery, Health
+from sitl.autopilot.command.checks import BatteryLevel, Health, can_run, is_known, rules_of
+from sitl.autopilot.command.mode_table import FLOWN, MODES, Action
+from sitl.autopilot.parameters import ParameterValues
+from sitl.clock import SECOND_US
 from sitl.records.modes import Mode
 
 
-class Action(IntEnum):
-    """What a failsafe does, the gravest last."""
-
-    WARN = 0
-    POSITION = 1
-    ALTITUDE = 2
-    STABILIZED = 3
-    HOLD = 4
-    RETURN = 5
-    LAND = 6
-    DISARM = 7
-    TERMINATE = 8
-
-
-MODES: Mapping[Action, Mode | None] = {
-    Action.POSITION: Mode.POSCTL,
-    Action.ALTITUDE: Mode.ALTCTL,
-    Action.STABILIZED: Mode.STABILIZED,
-    Action.HOLD: Mode.HOLD,
-    Action.RETURN: Mode.RTL,
-    Action.LAND: Mode.LAND,
-    Action.DISARM: None,
-    Action.TERMINATE: Mode.TERMINATION,
-}
-ON_THE_WAY_DOWN = {Mode.RTL, Mode.LAND, Mode.PRECLAND}
-
-
-class Cause(Enum):
+class FailsafeCause(Enum):
     """Why; the values are what the pilot reads."""
 
     SETPOINTS = "No offboard setpoints"
@@ -57,18 +33,18 @@ class Cause(Enum):
     MISSION = "Mission failure"
 
 
-class Trigger(NamedTuple):
+class FailsafeTrigger(NamedTuple):
     """One row's demand."""
 
-    cause: Cause
+    cause: FailsafeCause
     action: Action
     waits: bool = False  # holds for COM_FAIL_ACT_T first
     stays: bool = False  # until the user chooses a mode, though the condition may be gone
     yields: bool = False  # to the user, who may choose another mode
 
 
-class Actions(NamedTuple):
-    """The parameters that say what to do."""
+class FailsafeParameters(NamedTuple):
+    """What to do, in PX4's numbers, and how long to hold first."""
 
     setpoint_loss: int = 0  # COM_OBL_RC_ACT
     ground_station_loss: int = 0  # NAV_DLL_ACT
@@ -79,29 +55,43 @@ class Actions(NamedTuple):
     fence: int = 2  # GF_ACTION
     hold_us: int = 5_000_000  # COM_FAIL_ACT_T
 
+    @classmethod
+    def resolve(cls, values: ParameterValues) -> Self:
+        """Take PX4's values."""
+        return cls(
+            setpoint_loss=int(values["COM_OBL_RC_ACT"]),
+            ground_station_loss=int(values["NAV_DLL_ACT"]),
+            ground_station_exceptions=int(values["COM_DLL_EXCEPT"]),
+            sticks_loss=int(values["NAV_RCL_ACT"]),
+            sticks_exceptions=int(values["COM_RCL_EXCEPT"]),
+            low_battery=int(values["COM_LOW_BAT_ACT"]),
+            fence=int(values["GF_ACTION"]),
+            hold_us=round(values["COM_FAIL_ACT_T"] * SECOND_US),
+        )
 
-class Conditions(NamedTuple):
+
+class FailsafeInputs(NamedTuple):
     """What decides on a failsafe."""
 
     armed: bool
     intended: Mode
     health: Health
-    actions: Actions = Actions()
+    parameters: FailsafeParameters = FailsafeParameters()
 
 
-class Memory(NamedTuple):
+class FailsafeMemory(NamedTuple):
     """What is kept from tick to tick."""
 
     since_us: int | None = None  # when a trigger first asked to wait
-    kept: Trigger | None = None  # one that stays
-    overridden: frozenset[Cause] = frozenset()  # the user has chosen otherwise
+    kept: FailsafeTrigger | None = None  # one that stays
+    overridden: frozenset[FailsafeCause] = frozenset()  # the user has chosen otherwise
 
 
-class Decision(NamedTuple):
+class FailsafeDecision(NamedTuple):
     """The mode to fly (none: disarm at once), why it isn't the intended one, and what is next."""
 
     mode: Mode | None
-    cause: Cause | None = None
+    cause: FailsafeCause | None = None
     next_action: Action | None = None  # after the hold
 
 
@@ -126,77 +116,77 @@ LINK_LOSS_ACTIONS: Mapping[int, Action] = {
 }
 # GF_ACTION: none, a warning, hold, return, terminate, land.
 FENCE_ACTIONS = (None, None, Action.HOLD, Action.RETURN, Action.TERMINATE, Action.LAND)
-EXCEPTION_BITS = {Mode.MISSION: 1, Mode.HOLD: 2, Mode.OFFBOARD: 4}  # COM_RCL_EXCEPT, COM_DLL_EXCEPT
 
 
-def setpoint_loss(conditions: Conditions) -> Trigger | None:
+def setpoint_loss(inputs: FailsafeInputs) -> FailsafeTrigger | None:
     """Act when the setpoint stream has stopped in OFFBOARD."""
-    if conditions.intended is not Mode.OFFBOARD or conditions.health.offboard_available:
+    if inputs.health.offboard_available or not MODES[inputs.intended].needs.setpoints:
         return None
-    return Trigger(Cause.SETPOINTS, SETPOINT_LOSS_ACTIONS[conditions.actions.setpoint_loss])
-
-
-def ground_station_loss(conditions: Conditions) -> Trigger | None:
-    """Act when a ground station that was there has been silent for COM_DL_LOSS_T."""
-    actions = conditions.actions
-    if not conditions.health.ground_station_lost:
-        return None
-    if EXCEPTION_BITS.get(conditions.intended, 0) & actions.ground_station_exceptions:
-        return None
-    return _link_loss(Cause.GROUND_STATION, actions.ground_station_loss)
-
-
-def sticks_loss(conditions: Conditions) -> Trigger | None:
-    """Act when sticks that were there have been silent for COM_RC_LOSS_T."""
-    actions = conditions.actions
-    if not conditions.health.sticks_lost:
-        return None
-    if EXCEPTION_BITS.get(conditions.intended, 0) & actions.sticks_exceptions:
-        return None
-    return _link_loss(Cause.STICKS, actions.sticks_loss)
-
-
-def battery(conditions: Conditions) -> Trigger | None:
-    """Act when the battery is nearly empty; a low one is only told of."""
-    level, action = conditions.health.battery, conditions.actions.low_battery
-    if level < Battery.CRITICAL or action == 0:
-        return None
-    land = action == 2 or level is Battery.EMERGENCY
-    wanted = Action.LAND if land else Action.RETURN
-    return Trigger(Cause.BATTERY, wanted, waits=True, stays=True, yields=True)
-
-
-def estimate_loss(conditions: Conditions) -> Trigger | None:
-    """Act when the mode needs to know what the estimator no longer knows."""
-    health, mode = conditions.health, conditions.intended
-    if not health.attitude_valid:
-        return Trigger(Cause.ESTIMATE, Action.TERMINATE)
-    if mode is Mode.ALTCTL:
-        return None if health.altitude_valid else Trigger(Cause.ESTIMATE, Action.LAND)
-    if mode is Mode.POSCTL and health.altitude_valid and health.sticks_available:
-        return None if health.position_valid else Trigger(Cause.ESTIMATE, Action.ALTITUDE)
-    needs_position = mode in NEEDS_POSITION and not (
-        mode is Mode.OFFBOARD and health.offboard_by_attitude
+    return FailsafeTrigger(
+        FailsafeCause.SETPOINTS, SETPOINT_LOSS_ACTIONS[inputs.parameters.setpoint_loss]
     )
-    if needs_position and not (health.position_valid and health.altitude_valid):
-        return Trigger(Cause.ESTIMATE, Action.LAND)
-    return None
 
 
-def geofence(conditions: Conditions) -> Trigger | None:
-    """Act when the vehicle has left the fence, until the user takes over."""
-    action = FENCE_ACTIONS[conditions.actions.fence] if conditions.health.fence_breached else None
-    return None if action is None else Trigger(Cause.FENCE, action, stays=True, yields=True)
-
-
-def mission_failure(conditions: Conditions) -> Trigger | None:
-    """Act when a mission that is flown can't go on."""
-    if conditions.intended is not Mode.MISSION or not conditions.health.mission_failed:
+def ground_station_loss(inputs: FailsafeInputs) -> FailsafeTrigger | None:
+    """Act when a ground station that was there has been silent for COM_DL_LOSS_T."""
+    parameters = inputs.parameters
+    if not inputs.health.ground_station_lost:
         return None
-    return Trigger(Cause.MISSION, Action.RETURN, waits=True, yields=True)
+    if MODES[inputs.intended].exception_bit & parameters.ground_station_exceptions:
+        return None
+    return _link_loss(FailsafeCause.GROUND_STATION, parameters.ground_station_loss)
 
 
-ROWS: tuple[Callable[[Conditions], Trigger | None], ...] = (
+def sticks_loss(inputs: FailsafeInputs) -> FailsafeTrigger | None:
+    """Act when sticks that were there have been silent for COM_RC_LOSS_T."""
+    parameters = inputs.parameters
+    if not inputs.health.sticks_lost:
+        return None
+    if MODES[inputs.intended].exception_bit & parameters.sticks_exceptions:
+        return None
+    return _link_loss(FailsafeCause.STICKS, parameters.sticks_loss)
+
+
+def battery(inputs: FailsafeInputs) -> FailsafeTrigger | None:
+    """Act when the battery is nearly empty; a low one is only told of."""
+    level, number = inputs.health.battery, inputs.parameters.low_battery
+    if level < BatteryLevel.CRITICAL or number == 0:
+        return None
+    land = number == 2 or level is BatteryLevel.EMERGENCY
+    wanted = Action.LAND if land else Action.RETURN
+    return FailsafeTrigger(FailsafeCause.BATTERY, wanted, waits=True, stays=True, yields=True)
+
+
+def estimate_loss(inputs: FailsafeInputs) -> FailsafeTrigger | None:
+    """Act when the mode needs to know what the estimator no longer knows."""
+    health = inputs.health
+    if not health.attitude_valid:
+        return FailsafeTrigger(FailsafeCause.ESTIMATE, Action.TERMINATE)
+    rules = rules_of(inputs.intended, health)
+    if is_known(rules.needs, health):
+        return None
+    action = next(a for a in rules.falls_back_to if can_run(FLOWN[a], health))
+    return FailsafeTrigger(FailsafeCause.ESTIMATE, action)
+
+
+def geofence(inputs: FailsafeInputs) -> FailsafeTrigger | None:
+    """Act when the vehicle has left the fence, until the user takes over."""
+    action = FENCE_ACTIONS[inputs.parameters.fence] if inputs.health.fence_breached else None
+    return (
+        None
+        if action is None
+        else FailsafeTrigger(FailsafeCause.FENCE, action, stays=True, yields=True)
+    )
+
+
+def mission_failure(inputs: FailsafeInputs) -> FailsafeTrigger | None:
+    """Act when a mission that is flown can't go on."""
+    if not (inputs.health.mission_failed and MODES[inputs.intended].needs.mission):
+        return None
+    return FailsafeTrigger(FailsafeCause.MISSION, Action.RETURN, waits=True, yields=True)
+
+
+ROWS: tuple[Callable[[FailsafeInputs], FailsafeTrigger | None], ...] = (
     setpoint_loss,
     ground_station_loss,
     sticks_loss,
@@ -207,12 +197,14 @@ ROWS: tuple[Callable[[Conditions], Trigger | None], ...] = (
 )
 
 
-def decide(conditions: Conditions, memory: Memory, time_us: int) -> tuple[Decision, Memory]:
+def decide(
+    inputs: FailsafeInputs, memory: FailsafeMemory, time_us: int
+) -> tuple[FailsafeDecision, FailsafeMemory]:
     """Give the mode to fly, and what to remember for the next tick."""
-    intended = conditions.intended
-    if not conditions.armed:
-        return Decision(intended), Memory()
-    found = [trigger for row in ROWS if (trigger := row(conditions)) is not None]
+    intended = inputs.intended
+    if not inputs.armed:
+        return FailsafeDecision(intended), FailsafeMemory()
+    found = [trigger for row in ROWS if (trigger := row(inputs)) is not None]
     overridden = memory.overridden
     if overridden:
         overridden &= {trigger.cause for trigger in found}
@@ -220,44 +212,40 @@ def decide(conditions: Conditions, memory: Memory, time_us: int) -> tuple[Decisi
     if memory.kept is not None:
         found.append(memory.kept)
     if not found:
-        return Decision(intended), Memory(overridden=overridden)
+        return FailsafeDecision(intended), FailsafeMemory(overridden=overridden)
     worst = max(found, key=lambda trigger: (trigger.action, not trigger.waits))
     since_us = time_us if memory.since_us is None else memory.since_us
-    waits = worst.waits and worst.action > Action.HOLD and intended not in ON_THE_WAY_DOWN
-    if waits and time_us - since_us < conditions.actions.hold_us:
-        mode = _settle(Action.HOLD, conditions)
-        return Decision(mode, worst.cause, worst.action), Memory(since_us, None, overridden)
+    waits = worst.waits and worst.action > Action.HOLD and not MODES[intended].on_the_way_down
+    if waits and time_us - since_us < inputs.parameters.hold_us:
+        mode = _settle(Action.HOLD, inputs)
+        return FailsafeDecision(mode, worst.cause, worst.action), FailsafeMemory(
+            since_us, None, overridden
+        )
     kept = worst if worst.stays else memory.kept
-    return Decision(_settle(worst.action, conditions), worst.cause), Memory(
+    return FailsafeDecision(_settle(worst.action, inputs), worst.cause), FailsafeMemory(
         since_us, kept, overridden
     )
 
 
-def override(conditions: Conditions, memory: Memory) -> Memory:
+def override(inputs: FailsafeInputs, memory: FailsafeMemory) -> FailsafeMemory:
     """Let the user's new mode go before every trigger that yields."""
-    found = [trigger for row in ROWS if (trigger := row(conditions)) is not None]
+    found = [trigger for row in ROWS if (trigger := row(inputs)) is not None]
     causes = {trigger.cause for trigger in found if trigger.yields}
-    return Memory(overridden=memory.overridden | causes)
+    return FailsafeMemory(overridden=memory.overridden | causes)
 
 
-def _link_loss(cause: Cause, number: int) -> Trigger | None:
+def _link_loss(cause: FailsafeCause, number: int) -> FailsafeTrigger | None:
     action = LINK_LOSS_ACTIONS.get(number)
     if action is None:
         return None
-    return Trigger(cause, action, waits=True, stays=action is not Action.HOLD, yields=True)
+    return FailsafeTrigger(cause, action, waits=True, stays=action is not Action.HOLD, yields=True)
 
 
-def _settle(action: Action, conditions: Conditions) -> Mode | None:
+def _settle(action: Action, inputs: FailsafeInputs) -> Mode | None:
     """Give the mode of an action, or of the next graver one that the estimate allows."""
-    health, intended = conditions.health, conditions.intended
-    if intended in ON_THE_WAY_DOWN and action in (Action.HOLD, Action.RETURN):
-        return intended  # a vehicle that comes home or down isn't kept from it
-    located = health.attitude_valid and health.position_valid and health.altitude_valid
-    mode = MODES[action]
-    if not located and (action in (Action.HOLD, Action.RETURN) or mode is Mode.POSCTL):
-        mode = Mode.LAND
-    if mode in NEEDS_STICKS and not health.altitude_valid:
-        mode = Mode.LAND
-    if mode is Mode.LAND and not health.attitude_valid:
-        mode = Mode.TERMINATION
+    if MODES[inputs.intended].on_the_way_down and action in (Action.HOLD, Action.RETURN):
+        return inputs.intended
+    mode = FLOWN.get(action)
+    while mode is not None and not is_known(MODES[mode].needs, inputs.health):
+        mode = FLOWN[MODES[mode].falls_back_to[-1]]
     return mode

@@ -16,7 +16,7 @@ class FailureCommands:
     """Keeps what is to fail until the simulation takes it."""
 
     def __init__(self, parameters: Parameters, commander: Commander) -> None:
-        self._parameters = parameters
+        self._parameters = parameters  # asked at each command, not at the next tick
         self._commander = commander
         self._requests: list[Failure] = []
         self.handlers: Mapping[int, Callable[[Command], int]] = {INJECT_FAILURE: self._inject}

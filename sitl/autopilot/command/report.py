@@ -3,15 +3,15 @@
 from sitl.autopilot.command.checks import can_arm
 from sitl.autopilot.command.commander import Commander
 from sitl.autopilot.control.cascade import Cascade
-from sitl.records.modes import Mode
+from sitl.records.modes import BASE_ARMED, BASE_ATTITUDE
 from sitl.records.motion import Vector3
 from sitl.records.sensing import Estimate
 from sitl.records.vehicle import SetpointEcho, VehicleStatus
 
 ORIGIN: Vector3 = (0.0, 0.0, 0.0)
 DISARMED_US, IDLE_US, FULL_US = 900, 1000, 2000  # pulse widths of SERVO_OUTPUT_RAW
-ON_GROUND, IN_AIR = 1, 2  # MAV_LANDED_STATE
-AIRBORNE_STATES = {Mode.TAKEOFF: 3, Mode.LAND: 4}  # MAV_LANDED_STATE, where it isn't IN_AIR
+ON_GROUND = 1  # MAV_LANDED_STATE
+BOOT, STANDBY, ACTIVE, FAILSAFE, TERMINATED = 0, 3, 4, 5, 8  # MAV_STATE
 
 
 def report_status(
@@ -23,26 +23,28 @@ def report_status(
     home_ned: Vector3 | None,
 ) -> VehicleStatus:
     """Sum up mode, arming, health and outputs."""
+    state, rules, health = commander.state, commander.rules, commander.health
+    armable = can_arm(state.intended, health)
     return VehicleStatus(
         time_us=estimate.time_us,
-        mode=commander.mode,
-        intended_mode=commander.intended,
-        custom_mode=commander.mode.custom_mode,
-        base_mode=commander.base_mode,
-        system_status=commander.system_status,
-        armed=commander.armed,
-        armable=can_arm(commander.intended, commander.health),
-        failsafe=commander.failsafe,
-        landed_state=_landed_state(commander),
+        mode=state.mode,
+        intended_mode=state.intended,
+        custom_mode=state.mode.custom_mode,
+        base_mode=_base_mode(commander),
+        system_status=_system_status(commander, armable=armable),
+        armed=state.armed,
+        armable=armable,
+        failsafe=state.failsafe,
+        landed_state=ON_GROUND if state.landed else rules.landed_state_in_air,
         home=home,
         home_ned=home_ned or ORIGIN,
         home_valid=home_ned is not None,
         attitude_valid=estimate.attitude_valid,
         position_valid=estimate.position_valid,
         altitude_valid=estimate.altitude_valid,
-        battery_warning=int(commander.health.battery),
+        battery_warning=int(health.battery),
         throttle=cascade.state.attitude.thrust,
-        actuator_outputs=_outputs(cascade, armed=commander.armed),
+        actuator_outputs=_outputs(cascade, armed=state.armed),
     )
 
 
@@ -62,8 +64,22 @@ def report_setpoint(cascade: Cascade, time_us: int) -> SetpointEcho:
     )
 
 
-def _landed_state(commander: Commander) -> int:
-    return ON_GROUND if commander.landed else AIRBORNE_STATES.get(commander.mode, IN_AIR)
+def _base_mode(commander: Commander) -> int:
+    """HEARTBEAT.base_mode."""
+    state = commander.state
+    base = state.mode.base_mode | (BASE_ARMED if state.armed else 0)
+    if commander.rules.needs.setpoints and commander.health.offboard_available:
+        base |= BASE_ATTITUDE
+    return base
+
+
+def _system_status(commander: Commander, *, armable: bool) -> int:
+    """HEARTBEAT.system_status."""
+    if not commander.state.armed:
+        return STANDBY if armable else BOOT
+    if commander.rules.is_final:
+        return TERMINATED
+    return FAILSAFE if commander.state.failsafe else ACTIVE
 
 
 def _outputs(cascade: Cascade, *, armed: bool) -> tuple[int, int, int, int]:

@@ -2,6 +2,7 @@
 
 from sitl.autopilot.command.commander import Commander
 from sitl.autopilot.command.missions import Missions
+from sitl.autopilot.command.mode_table import Leader
 from sitl.autopilot.control.setpoint import Setpoint, level
 from sitl.autopilot.flight_modes.manual import Manual
 from sitl.autopilot.flight_modes.navigator import Navigator
@@ -11,7 +12,7 @@ from sitl.records.modes import Mode
 from sitl.records.sensing import Estimate
 
 
-class Setpoints:
+class ModeSetpoints:
     """Gives what to fly now. Without sticks, their modes are led by the navigator."""
 
     def __init__(
@@ -30,20 +31,23 @@ class Setpoints:
 
     def wants_climb(self, estimate: Estimate, *, landed: bool, flying: bool) -> bool:
         """Whether a vehicle that is not flying yet is to take off."""
-        mode = self._commander.mode
-        if mode is Mode.OFFBOARD:
+        leader = self._commander.rules.leader
+        if leader is Leader.STREAM:
             return self._offboard.wants_climb(estimate.time_us, estimate.position_ned[2])
-        if mode is Mode.MISSION and not flying:
-            return self._missions.flight.wants_climb(estimate, landed=landed)
-        return mode is Mode.TAKEOFF or (self._is_manual and self._manual.wants_climb)
+        if leader is Leader.STICKS:
+            return self._commander.health.sticks_available and self._manual.wants_climb
+        if leader is Leader.MISSION:
+            flight = self._missions.flight
+            return not flying and flight.wants_climb(estimate, landed=landed)
+        return self._commander.rules.takes_off
 
     def now(self, estimate: Estimate, *, in_flight: bool) -> Setpoint:
         """Move whoever leads by one tick."""
-        mode = self._commander.mode
-        if mode is Mode.OFFBOARD:
+        leader = self._commander.rules.leader
+        if leader is Leader.STREAM:
             return self._offboard.setpoint(estimate.time_us, yaw_of(estimate.q_ned_frd))
-        if self._is_manual:
-            manual = self._manual
+        if leader is Leader.STICKS and self._commander.health.sticks_available:
+            manual, mode = self._manual, self._commander.state.mode
             return manual.advance(mode, estimate) if in_flight else manual.wait(estimate)
         if not in_flight:
             return self._navigator.wait(estimate)
@@ -51,12 +55,6 @@ class Setpoints:
         if self._navigator.takeoff_done(estimate):
             self._navigator.hold_where_takeoff_leads()
             self._commander.continue_as_hold()
-        if mode is Mode.MISSION and self._missions.flight.take_return():
+        if leader is Leader.MISSION and self._missions.flight.take_return():
             self._commander.switch(Mode.RTL)
         return setpoint if estimate.position_valid else level(setpoint)
-
-    @property
-    def _is_manual(self) -> bool:
-        commander = self._commander
-        is_stick_mode = commander.mode in (Mode.ALTCTL, Mode.POSCTL)
-        return is_stick_mode and commander.health.sticks_available

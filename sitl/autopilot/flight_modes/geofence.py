@@ -5,7 +5,7 @@ every exclusion, and no further from home than GF_MAX_HOR_DIST and GF_MAX_VER_DI
 """
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from sitl.autopilot.flight_modes.mission_plan import (
     CIRCLE_INCLUSION,
@@ -13,7 +13,7 @@ from sitl.autopilot.flight_modes.mission_plan import (
     POLYGON_INCLUSION,
     POLYGONS,
 )
-from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.parameters import ParameterValues
 from sitl.frames import ned_from_geodetic
 from sitl.records.missions import MissionItem, Plan
 from sitl.records.motion import Vector3
@@ -41,33 +41,52 @@ class Area(NamedTuple):
         return inside is self.is_inclusion
 
 
+class FenceParameters(NamedTuple):
+    """Limits around home, and what leaving them does."""
+
+    distance_max_m: float  # GF_MAX_HOR_DIST; not above 0: none
+    height_max_m: float  # GF_MAX_VER_DIST; likewise
+    acts: bool  # GF_ACTION: something is done about a breach
+
+    @classmethod
+    def resolve(cls, values: ParameterValues) -> Self:
+        """Take PX4's values."""
+        return cls(
+            distance_max_m=values["GF_MAX_HOR_DIST"],
+            height_max_m=values["GF_MAX_VER_DIST"],
+            acts=int(values["GF_ACTION"]) > 0,
+        )
+
+
+class FenceCheck(NamedTuple):
+    """What was wrong where the vehicle was."""
+
+    time_us: int
+    breach: str | None = None
+
+
+NEVER_CHECKED = FenceCheck(-CHECK_INTERVAL_US)
+
+
 class Geofence:
     """Says what is wrong with a place."""
 
-    def __init__(self, parameters: Parameters, origin: Vector3) -> None:
+    def __init__(self, parameters: FenceParameters, origin: Vector3) -> None:
+        self.parameters = parameters
         self._origin = origin  # latitude deg, longitude deg, altitude m of the local frame
         self._areas: tuple[Area, ...] = ()
-        self._checked_us = -CHECK_INTERVAL_US
-        self._breach: str | None = None
-        self.load(parameters)
-
-    def load(self, parameters: Parameters) -> None:
-        """Take limits and the action from the parameters."""
-        self._distance_max = parameters["GF_MAX_HOR_DIST"]
-        self._altitude_max = parameters["GF_MAX_VER_DIST"]
-        self.action = int(parameters["GF_ACTION"])
+        self._last = NEVER_CHECKED
 
     def take(self, plan: Plan) -> None:
         """Replace the polygons and circles."""
         self._areas = areas_of(plan, self._origin)
-        self._checked_us = -CHECK_INTERVAL_US
+        self._last = self._last._replace(time_us=NEVER_CHECKED.time_us)
 
     def breach(self, time_us: int, position_ned: Vector3, home_ned: Vector3) -> str | None:
         """Say what is wrong where the vehicle is, five times a second."""
-        if time_us - self._checked_us >= CHECK_INTERVAL_US:
-            self._checked_us = time_us
-            self._breach = self.judge(position_ned, home_ned)
-        return self._breach
+        if time_us - self._last.time_us >= CHECK_INTERVAL_US:
+            self._last = FenceCheck(time_us, self.judge(position_ned, home_ned))
+        return self._last.breach
 
     def judge(self, position_ned: Vector3, home_ned: Vector3) -> str | None:
         """Say what is wrong with a place; None if nothing is. NaN counts as where home is."""
@@ -75,9 +94,9 @@ class Geofence:
             h if math.isnan(p) else p for p, h in zip(position_ned, home_ned, strict=True)
         )
         distance = math.hypot(north - home_ned[0], east - home_ned[1])
-        if 0.0 < self._distance_max <= distance:
+        if 0.0 < self.parameters.distance_max_m <= distance:
             return DISTANCE
-        if 0.0 < self._altitude_max <= home_ned[2] - down:
+        if 0.0 < self.parameters.height_max_m <= home_ned[2] - down:
             return ALTITUDE
         permitted = all(area.permits(north, east) for area in self._areas)
         return None if permitted else AREA

@@ -11,11 +11,11 @@ import math
 from collections.abc import Callable
 from enum import Enum
 from math import isnan
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from sitl.autopilot.control.heading import FacingParameters
 from sitl.autopilot.flight_modes import mission_plan
-from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.parameters import ParameterValues
 from sitl.clock import SECOND_US
 from sitl.frames import ned_from_geodetic, wrap_pi, yaw_of
 from sitl.records.missions import MissionItem, Plan
@@ -28,11 +28,11 @@ Say = Callable[[int, str], None]  # MAV_SEVERITY, text
 NAN = math.nan
 ORIGIN: Vector3 = (0.0, 0.0, 0.0)
 NOWHERE: Vector3 = (NAN, NAN, NAN)
-MAX_DEEDS = 2000  # jumps and the like in a row, before a mission counts as finished
+IMMEDIATE_MAX = 2000  # jumps and the like in a row, before a mission counts as finished
 JUMPS_MAX = 0xFFFF
 
 
-class Phase(Enum):
+class ItemPhase(Enum):
     """How far the current item has come."""
 
     CLIMB = 1
@@ -49,170 +49,208 @@ class Leg(NamedTuple):
     target_ned: Vector3 = NOWHERE  # m
     yaw_rad: float = NAN
     climbs: bool = False  # straight up, at the take-off's speed
-    lands: bool = False  # straight down, whatever the target's height
+    lands: bool = False  # straight down, whatever the target's height; slower near the ground
+    sinks: bool = False  # likewise, always slowly
+
+
+class MissionParameters(NamedTuple):
+    """What counts as arrived, and how high a mission begins."""
+
+    radius_m: float  # NAV_ACC_RAD
+    altitude_radius_m: float  # NAV_MC_ALT_RAD
+    takeoff_height_m: float  # MIS_TAKEOFF_ALT
+    facing: FacingParameters
+
+    @classmethod
+    def resolve(cls, values: ParameterValues) -> Self:
+        """Take PX4's values, in SI units."""
+        return cls(
+            radius_m=values["NAV_ACC_RAD"],
+            altitude_radius_m=values["NAV_MC_ALT_RAD"],
+            takeoff_height_m=values["MIS_TAKEOFF_ALT"],
+            facing=FacingParameters.resolve(values),
+        )
+
+
+class MissionFlightState(NamedTuple):
+    """Which item is flown, and how far it has come."""
+
+    current: int = 0  # index of the item
+    phase: ItemPhase = ItemPhase.END
+    target_ned: Vector3 = NOWHERE
+    yaw_rad: float = NAN
+    climb_to_m: float = NAN  # down
+    arrived_us: int = 0
+    home_ned: Vector3 = ORIGIN
+    speed_m_s: float = NAN  # horizontal; NaN: the usual one
+    started: bool = False
+    finished: bool = False
+    failed: bool = False  # until there is another plan
+    is_changed: bool = False  # the item was set from outside
+    wants_return: bool = False  # RTL is due, and not yet begun
 
 
 class MissionFlight:
-    """Keeps the current item and its phase."""
+    """Flies a plan: keeps the current item and its phase."""
 
-    def __init__(self, parameters: Parameters, origin: Vector3, say: Say) -> None:
-        self.index = 0
-        self.finished = False
-        self.started = False
-        self.failed = False  # until there is another plan
-        self.speed_m_s = NAN  # horizontal; NaN: the usual one
-        self.reached: list[int] = []  # not yet told
+    def __init__(self, parameters: MissionParameters, origin: Vector3, say: Say) -> None:
+        self.parameters = parameters
+        self.state = MissionFlightState()
         self._origin = origin  # latitude deg, longitude deg, altitude m of the local frame
         self._say = say
         self._plan: Plan = ()
         self._jumps: dict[int, int] = {}  # made, by the item
-        self._home_ned = ORIGIN
-        self._phase = Phase.END
-        self._target = NOWHERE
-        self._yaw_rad = NAN
-        self._climb_to = NAN  # m, down
-        self._arrived_us = 0
-        self._is_changed = False  # the item was set from outside
-        self._wants_return = False  # RTL is due, and not yet begun
-        self.load(parameters)
-
-    def load(self, parameters: Parameters) -> None:
-        """Take radii and heights from the parameters."""
-        self._radius = parameters["NAV_ACC_RAD"]
-        self._altitude_radius = parameters["NAV_MC_ALT_RAD"]
-        self._takeoff_altitude = parameters["MIS_TAKEOFF_ALT"]
-        self._facing = FacingParameters.resolve(parameters.values)
+        self._reached: list[int] = []  # not yet told
 
     def take(self, plan: Plan, current: int) -> None:
         """Take a new plan; one that is being flown begins at once."""
         self._plan = plan
-        self.started = self.failed = False
+        self.state = self.state._replace(started=False, failed=False)
         self.set_current(current)
 
     def set_current(self, index: int) -> None:
         """Go to an item next."""
-        self.index, self.finished, self._is_changed = index, False, True
+        self.state = self.state._replace(current=index, finished=False, is_changed=True)
         self._jumps.clear()
 
     def start(self, estimate: Estimate, home_ned: Vector3, *, landed: bool) -> None:
         """Begin, or go on at the current item; a mission that was finished begins anew."""
-        self._home_ned = home_ned
-        if self.finished and landed:
+        if self.state.finished and landed:
             self.set_current(0)
-        self._wants_return, self.started = False, True
+        self.state = self.state._replace(home_ned=home_ned, wants_return=False, started=True)
         self._say(INFO, "Executing Mission")
         self._begin(estimate, landed=landed)
 
     def wants_climb(self, estimate: Estimate, *, landed: bool) -> bool:
         """Whether a vehicle on the ground is to take off; what can be done there is done."""
-        if self._is_changed:
+        if self.state.is_changed:
             self._begin(estimate, landed=landed)
-        if landed and (self._phase is Phase.LAND or self._has_stayed(estimate)):
+        if landed and (self.state.phase is ItemPhase.LAND or self._has_stayed(estimate)):
             self._go_on(estimate, landed=True)
-        return self._phase in (Phase.CLIMB, Phase.TRAVEL, Phase.TURN)
+        return self.state.phase in (ItemPhase.CLIMB, ItemPhase.TRAVEL, ItemPhase.TURN)
 
     def update(self, estimate: Estimate) -> Leg:
         """Give the leg to fly at this moment."""
-        if self._is_changed:
+        if self.state.is_changed:
             self._begin(estimate, landed=False)
-        if self._phase is Phase.CLIMB:
-            if estimate.position_ned[2] - self._climb_to > self._altitude_radius:
-                return Leg((NAN, NAN, self._climb_to), climbs=True)
-            self._phase = Phase.TRAVEL
-        if self._phase is Phase.TRAVEL and self._has_arrived(estimate):
-            self._arrived_us = estimate.time_us
-            self._phase = Phase.TURN
-        if self._phase is Phase.TURN:
+        if self.state.phase is ItemPhase.CLIMB:
+            climb_to = self.state.climb_to_m
+            if estimate.position_ned[2] - climb_to > self.parameters.altitude_radius_m:
+                return Leg((NAN, NAN, climb_to), climbs=True)
+            self.state = self.state._replace(phase=ItemPhase.TRAVEL)
+        if self.state.phase is ItemPhase.TRAVEL and self._has_arrived(estimate):
+            self.state = self.state._replace(phase=ItemPhase.TURN, arrived_us=estimate.time_us)
+        if self.state.phase is ItemPhase.TURN:
             self._turn(estimate)
         if self._has_stayed(estimate):
             self._go_on(estimate, landed=False)
+        state = self.state
         return Leg(
-            self._target,
-            self._yaw_rad,
-            climbs=self._phase is Phase.CLIMB,
-            lands=self._phase is Phase.LAND,
+            state.target_ned,
+            state.yaw_rad,
+            climbs=state.phase is ItemPhase.CLIMB,
+            lands=state.phase is ItemPhase.LAND,
         )
 
     def take_return(self) -> bool:
         """Whether the mission now asks to return; true once."""
-        wanted, self._wants_return = self._wants_return, False
-        return wanted
+        if not self.state.wants_return:
+            return False
+        self.state = self.state._replace(wants_return=False)
+        return True
+
+    def drain_reached(self) -> list[int]:
+        """Hand over the items that were reached since the last call."""
+        if not self._reached:
+            return []
+        reached, self._reached = self._reached, []
+        return reached
 
     def _go_on(self, estimate: Estimate, *, landed: bool) -> None:
-        self.reached.append(self.index)
-        self.index += 1
+        index = self.state.current
+        self._reached.append(index)
+        self.state = self.state._replace(current=index + 1)
         self._begin(estimate, landed=landed)
 
     def _begin(self, estimate: Estimate, *, landed: bool) -> None:
         """Begin the current item, after all those that take no time."""
-        self._is_changed = False
-        self.speed_m_s = self._speed_before(self.index)
-        for _ in range(MAX_DEEDS):
-            if self.index >= len(self._plan) or self._wants_return:
+        speed = mission_plan.speed_before(self._plan, self.state.current)
+        self.state = self.state._replace(is_changed=False, speed_m_s=speed)
+        for _ in range(IMMEDIATE_MAX):
+            index = self.state.current
+            if index >= len(self._plan) or self.state.wants_return:
                 break
-            item = self._plan[self.index]
+            item = self._plan[index]
             if item.command in mission_plan.PLACES or item.command == mission_plan.DELAY:
                 self._begin_item(item, estimate, landed=landed)
                 return
-            self.reached.append(self.index)
-            self.index = self._do(item, landed=landed)
+            self._reached.append(index)
+            self._do(item, landed=landed)
         self._finish(landed=landed)
 
     def _begin_item(self, item: MissionItem, estimate: Estimate, *, landed: bool) -> None:
-        self._arrived_us = estimate.time_us
-        if item.command == mission_plan.DELAY:
-            self._phase = Phase.STAY  # where the last item has led
+        state = self.state._replace(arrived_us=estimate.time_us)
+        if item.command == mission_plan.DELAY:  # where the last item has led
+            self.state = state._replace(phase=ItemPhase.STAY)
             return
-        self._target = self._place_of(item, estimate)
-        self._yaw_rad = wrap_pi(math.radians(item.params[3]))
+        x, y, z = self._place_of(item, estimate)
         lands = item.command == mission_plan.LAND
-        if lands:
-            self._target = (*self._target[:2], estimate.position_ned[2])
-        on_the_spot = lands and (landed or isnan(self._target[0]))
-        self._phase = Phase.LAND if on_the_spot else Phase.TRAVEL
+        on_the_spot = lands and (landed or isnan(x))
+        self.state = state._replace(
+            phase=ItemPhase.LAND if on_the_spot else ItemPhase.TRAVEL,
+            target_ned=(x, y, estimate.position_ned[2] if lands else z),
+            yaw_rad=wrap_pi(math.radians(item.params[3])),
+        )
         if not lands and (landed or item.command == mission_plan.TAKEOFF):
             self._begin_climb(estimate, landed=landed)
 
     def _begin_climb(self, estimate: Estimate, *, landed: bool) -> None:
         """Go straight up first, where the vehicle is below the item's altitude or on the ground."""
-        down = estimate.position_ned[2]
-        ground = down if landed else self._home_ned[2]
-        self._climb_to = min(self._target[2], ground - self._takeoff_altitude)
-        if landed or down - self._climb_to > self._altitude_radius:
-            self._phase = Phase.CLIMB
-            height = self._home_ned[2] - self._climb_to
-            self._say(INFO, f"Climb to {height:.1f} meters above home")
+        state, parameters, down = self.state, self.parameters, estimate.position_ned[2]
+        ground = down if landed else state.home_ned[2]
+        climb_to = min(state.target_ned[2], ground - parameters.takeoff_height_m)
+        self.state = state._replace(climb_to_m=climb_to)
+        if landed or down - climb_to > parameters.altitude_radius_m:
+            self.state = self.state._replace(phase=ItemPhase.CLIMB)
+            self._say(INFO, f"Climb to {state.home_ned[2] - climb_to:.1f} meters above home")
 
-    def _do(self, item: MissionItem, *, landed: bool) -> int:
-        """Carry out what takes no time; the index of the item that follows."""
+    def _do(self, item: MissionItem, *, landed: bool) -> None:
+        """Carry out what takes no time, and go to the item that follows."""
+        state = self.state
+        index, following = state.current, state.current + 1
         if item.command == mission_plan.RETURN_TO_LAUNCH:
-            self._wants_return = not landed
+            state = state._replace(wants_return=not landed)
         elif item.command == mission_plan.DO_CHANGE_SPEED:
-            self.speed_m_s = speed_of(item, self.speed_m_s)
+            state = state._replace(speed_m_s=mission_plan.speed_of(item, state.speed_m_s))
         elif item.command == mission_plan.DO_JUMP:
-            made, repeats = self._jumps.get(self.index, 0), int(item.params[1])
+            made, repeats = self._jumps.get(index, 0), int(item.params[1])
             if made < (JUMPS_MAX if repeats < 0 else repeats):
-                self._jumps[self.index] = made + 1
-                return int(item.params[0])
-        return self.index + 1
+                self._jumps[index] = made + 1
+                following = int(item.params[0])
+        self.state = state._replace(current=following)
 
     def _finish(self, *, landed: bool) -> None:
         """Hold where the last item has led, or leave the way to the return."""
-        self._phase, self.finished = Phase.END, True
-        self.index = max(0, min(self.index, len(self._plan)) - 1)
-        if not self._plan:
-            self._target = NOWHERE
-        if not self._wants_return:
+        state = self.state
+        self.state = state._replace(
+            phase=ItemPhase.END,
+            finished=True,
+            current=max(0, min(state.current, len(self._plan)) - 1),
+            target_ned=state.target_ned if self._plan else NOWHERE,
+        )
+        if not state.wants_return:
             self._say(INFO, f"Mission finished, {'landed' if landed else 'loitering'}")
 
     def _turn(self, estimate: Estimate) -> None:
         """Wait for the heading that is asked for; one that is forced may be late."""
-        item = self._plan[self.index]
+        state, facing = self.state, self.parameters.facing
+        item = self._plan[state.current]
         forced = item.command == mission_plan.LOITER_TIME and item.params[1] > 0.0
-        if self._facing.accepts(self._yaw_rad, yaw_of(estimate.q_ned_frd), forced=forced):
-            self._phase = Phase.LAND if item.command == mission_plan.LAND else Phase.STAY
-        elif not self.failed and self._facing.gives_up(estimate.time_us - self._arrived_us):
-            self.failed = True
+        if facing.accepts(state.yaw_rad, yaw_of(estimate.q_ned_frd), forced=forced):
+            lands = item.command == mission_plan.LAND
+            self.state = state._replace(phase=ItemPhase.LAND if lands else ItemPhase.STAY)
+        elif not state.failed and facing.gives_up(estimate.time_us - state.arrived_us):
+            self.state = state._replace(failed=True)
             self._say(CRITICAL, "unable to reach heading within timeout")
 
     def _place_of(self, item: MissionItem, estimate: Estimate) -> Vector3:
@@ -220,42 +258,28 @@ class MissionFlight:
         latitude, longitude = item.latitude_deg, item.longitude_deg
         x, y, z = ned_from_geodetic((latitude, longitude, item.z), self._origin)
         if item.frame in mission_plan.RELATIVE_FRAMES:
-            z = self._home_ned[2] - item.z
+            z = self.state.home_ned[2] - item.z
         if isnan(x) or isnan(y):
             x, y = (NAN, NAN) if item.command == mission_plan.LAND else estimate.position_ned[:2]
         return (x, y, z)
 
     def _has_arrived(self, estimate: Estimate) -> bool:
         """Whether the vehicle is near enough to the place."""
-        item, (x, y, z) = self._plan[self.index], estimate.position_ned
+        item, (x, y, z) = self._plan[self.state.current], estimate.position_ned
+        north, east, down = self.state.target_ned
         radius = item.params[1] if item.command == mission_plan.WAYPOINT else NAN
         if not radius > 0.0:
-            radius = self._radius
-        if math.hypot(self._target[0] - x, self._target[1] - y) > radius:
+            radius = self.parameters.radius_m
+        if math.hypot(north - x, east - y) > radius:
             return False
-        return abs(self._target[2] - z) <= self._altitude_radius
+        return abs(down - z) <= self.parameters.altitude_radius_m
 
     def _has_stayed(self, estimate: Estimate) -> bool:
-        if self._phase is not Phase.STAY:
+        if self.state.phase is not ItemPhase.STAY:
             return False
-        item = self._plan[self.index]
+        item = self._plan[self.state.current]
         if item.command == mission_plan.LOITER_UNLIMITED:
             return False
         waits = item.command in mission_plan.WAITS and item.params[0] > 0.0
         stay_s = item.params[0] if waits else 0.0
-        return estimate.time_us - self._arrived_us >= stay_s * SECOND_US
-
-    def _speed_before(self, index: int) -> float:
-        speed = NAN
-        for item in self._plan[:index]:
-            if item.command == mission_plan.DO_CHANGE_SPEED:
-                speed = speed_of(item, speed)
-        return speed
-
-
-def speed_of(item: MissionItem, present_m_s: float) -> float:
-    """Speed after a DO_CHANGE_SPEED; what is not positive leaves it, -2 resets it."""
-    wanted = item.params[1]
-    if wanted == mission_plan.SPEED_RESET:
-        return NAN
-    return wanted if wanted > 0.0 else present_m_s
+        return estimate.time_us - self.state.arrived_us >= stay_s * SECOND_US

@@ -1,6 +1,6 @@
-"""Which items a vehicle takes: what it can fly, and numbers that can be meant."""
+"""What the items of a plan mean: which can be flown, by which numbers, and how fast."""
 
-from math import isfinite, isnan
+from math import isfinite, isnan, nan
 
 from sitl.records.missions import MissionItem, MissionResult, Plan, PlanKind
 
@@ -48,7 +48,7 @@ def check_item(kind: PlanKind, item: MissionItem) -> MissionResult:
     if item.command not in COMMANDS[kind]:
         return MissionResult.UNSUPPORTED
     if kind is PlanKind.MISSION and item.command not in PLACES:
-        return _check_deed(item)
+        return _check_immediate(item)
     if item.frame not in ABSOLUTE_FRAMES | RELATIVE_FRAMES:
         return MissionResult.UNSUPPORTED_FRAME
     place = _check_place(item)
@@ -66,6 +66,23 @@ def check_plan(kind: PlanKind, plan: Plan) -> MissionResult:
     if kind is PlanKind.FENCE:
         return ACCEPTED if _polygons_are_whole(plan) else MissionResult.INVALID
     return ACCEPTED
+
+
+def speed_before(plan: Plan, index: int) -> float:
+    """Speed that a plan has changed to before an item, m/s; NaN: the usual one."""
+    speed_m_s = nan
+    for item in plan[:index]:
+        if item.command == DO_CHANGE_SPEED:
+            speed_m_s = speed_of(item, speed_m_s)
+    return speed_m_s
+
+
+def speed_of(item: MissionItem, present_m_s: float) -> float:
+    """Speed after a DO_CHANGE_SPEED; what is not positive leaves it, -2 resets it."""
+    wanted = item.params[1]
+    if wanted == SPEED_RESET:
+        return nan
+    return wanted if wanted > 0.0 else present_m_s
 
 
 def _check_place(item: MissionItem) -> MissionResult:
@@ -86,7 +103,7 @@ def _check_waits(item: MissionItem) -> MissionResult:
     return ACCEPTED
 
 
-def _check_deed(item: MissionItem) -> MissionResult:
+def _check_immediate(item: MissionItem) -> MissionResult:
     first, second = item.params[:2]
     if item.command == DO_JUMP:
         if not (isfinite(first) and first == int(first)):

@@ -8,17 +8,18 @@ home turns so once it has climbed, and descends only then.
 
 import math
 from enum import Enum
+from typing import NamedTuple, Self
 
 from sitl.autopilot.control.heading import FacingParameters
-from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.parameters import ParameterValues
 from sitl.clock import SECOND_US
 from sitl.records.motion import Vector3
 
 NAN = math.nan
 
 
-class Phase(Enum):
-    """How far the return has come."""
+class ReturnPhase(Enum):
+    """How far the return has come: one after another."""
 
     CLIMB = 1
     RETURN = 2
@@ -27,76 +28,109 @@ class Phase(Enum):
     LAND = 5
 
 
-class ReturnHome:
-    """Keeps the phase of a return, and the height at which it leads."""
+class ReturnParameters(NamedTuple):
+    """How high a return leads, and what it counts as arrived."""
 
-    def __init__(self, parameters: Parameters) -> None:
-        self.height_m = 0.0  # above home
-        self._phase = Phase.CLIMB
-        self._home_ned: Vector3 = (0.0, 0.0, 0.0)
-        self._home_yaw_rad = NAN
-        self._begins_near = False
-        self._waiting_since_us = 0
-        self.load(parameters)
+    return_height_m: float  # RTL_RETURN_ALT
+    descend_height_m: float  # RTL_DESCEND_ALT
+    near_m: float  # RTL_MIN_DIST
+    cone_rad: float  # RTL_CONE_ANG
+    radius_m: float  # NAV_ACC_RAD
+    altitude_radius_m: float  # NAV_MC_ALT_RAD
+    delay_s: float  # RTL_LAND_DELAY; below 0: never land
+    facing: FacingParameters
 
-    def load(self, parameters: Parameters) -> None:
-        """Take heights and distances from the parameters."""
-        p = parameters
-        self._return_height, self._descend_height = p["RTL_RETURN_ALT"], p["RTL_DESCEND_ALT"]
-        self._near = p["RTL_MIN_DIST"]
-        self._cone_rad = math.radians(p["RTL_CONE_ANG"])
-        self._radius, self._altitude_radius = p["NAV_ACC_RAD"], p["NAV_MC_ALT_RAD"]
-        self._delay_s = p["RTL_LAND_DELAY"]
-        self._facing = FacingParameters.resolve(p.values)
+    @classmethod
+    def resolve(cls, values: ParameterValues) -> Self:
+        """Take PX4's values, in SI units."""
+        return cls(
+            return_height_m=values["RTL_RETURN_ALT"],
+            descend_height_m=values["RTL_DESCEND_ALT"],
+            near_m=values["RTL_MIN_DIST"],
+            cone_rad=math.radians(values["RTL_CONE_ANG"]),
+            radius_m=values["NAV_ACC_RAD"],
+            altitude_radius_m=values["NAV_MC_ALT_RAD"],
+            delay_s=values["RTL_LAND_DELAY"],
+            facing=FacingParameters.resolve(values),
+        )
 
-    def start(self, position_ned: Vector3, home_ned: Vector3, home_yaw_rad: float = NAN) -> None:
-        """Begin at a place; the heading to end in may be NaN: any."""
-        self._home_ned, self._home_yaw_rad = home_ned, home_yaw_rad
+    def height_for(self, distance_m: float, height_m: float) -> float:
+        """Height above home to return at: lower within a cone above home, never a descent."""
+        if distance_m <= self.radius_m:
+            return height_m
+        wanted = self.return_height_m
+        if distance_m <= self.near_m and self.cone_rad > 0.0:
+            cone = distance_m / math.tan(self.cone_rad)
+            wanted = min(max(cone, 2.0 * self.radius_m), self.return_height_m)
+        return max(height_m, wanted)
+
+
+class ReturnHome(NamedTuple):
+    """The phase of a return, and where it leads."""
+
+    phase: ReturnPhase = ReturnPhase.CLIMB
+    home_ned: Vector3 = (0.0, 0.0, 0.0)
+    height_m: float = 0.0  # to fly back at, above home
+    home_yaw_rad: float = NAN  # the heading to end in; NaN: any
+    begins_near: bool = False
+    since_us: int = 0  # when the phase began; not kept of the first
+
+    @classmethod
+    def start(
+        cls,
+        position_ned: Vector3,
+        home_ned: Vector3,
+        home_yaw_rad: float,
+        parameters: ReturnParameters,
+    ) -> Self:
+        """Begin at a place."""
         distance = math.hypot(position_ned[0] - home_ned[0], position_ned[1] - home_ned[1])
-        self._begins_near = distance < self._near
-        self.height_m = self._height(distance, home_ned[2] - position_ned[2])
-        self._phase = Phase.CLIMB
+        return cls(
+            home_ned=home_ned,
+            height_m=parameters.height_for(distance, home_ned[2] - position_ned[2]),
+            home_yaw_rad=home_yaw_rad,
+            begins_near=distance < parameters.near_m,
+        )
 
     @property
     def yaw_rad(self) -> float:
         """The heading to turn to; NaN: the way of flying."""
-        if self._phase is Phase.CLIMB or (self._phase is Phase.RETURN and not self._begins_near):
+        phase = self.phase
+        if phase is ReturnPhase.CLIMB or (phase is ReturnPhase.RETURN and not self.begins_near):
             return NAN
-        return self._home_yaw_rad
+        return self.home_yaw_rad
 
-    def update(self, time_us: int, position_ned: Vector3, yaw_rad: float) -> tuple[Phase, Vector3]:
-        """Give the phase and its target; NaN: come to a stop."""
-        home_x, home_y, home_z = self._home_ned
-        distance = math.hypot(position_ned[0] - home_x, position_ned[1] - home_y)
-        height = home_z - position_ned[2]
-        low = min(self.height_m, self._descend_height)
-        if self._phase is Phase.CLIMB and abs(height - self.height_m) < self._altitude_radius:
-            self._phase = Phase.RETURN
-        elif self._phase is Phase.RETURN and distance < self._radius and self._faces(yaw_rad):
-            self._phase = Phase.DESCEND
-        elif self._phase is Phase.DESCEND and height - low < self._altitude_radius:
-            self._phase, self._waiting_since_us = Phase.WAIT, time_us
-        elif self._phase is Phase.WAIT and self._waited(time_us):
-            self._phase = Phase.LAND
-        if self._phase is Phase.CLIMB:
-            return self._phase, (NAN, NAN, home_z - self.height_m)
-        if self._phase is Phase.RETURN:
-            return self._phase, (home_x, home_y, home_z - self.height_m)
-        return self._phase, (home_x, home_y, home_z - low)
+    def target_ned(self, parameters: ReturnParameters) -> Vector3:
+        """Where to fly now; NaN: come to a stop."""
+        home_x, home_y, home_z = self.home_ned
+        if self.phase is ReturnPhase.CLIMB:
+            return (NAN, NAN, home_z - self.height_m)
+        if self.phase is ReturnPhase.RETURN:
+            return (home_x, home_y, home_z - self.height_m)
+        return (home_x, home_y, home_z - min(self.height_m, parameters.descend_height_m))
 
-    def _faces(self, yaw_rad: float) -> bool:
-        """Whether the heading is the one to turn to, if there is one to wait for."""
-        return self._facing.accepts(self.yaw_rad, yaw_rad)
+    def advance(
+        self, time_us: int, position_ned: Vector3, yaw_rad: float, parameters: ReturnParameters
+    ) -> "ReturnHome":
+        """Go on to the next phase, where it is time to."""
+        if not self._is_done(time_us, position_ned, yaw_rad, parameters):
+            return self
+        return self._replace(phase=ReturnPhase(self.phase.value + 1), since_us=time_us)
 
-    def _waited(self, time_us: int) -> bool:
-        return 0.0 <= self._delay_s <= (time_us - self._waiting_since_us) / SECOND_US
-
-    def _height(self, distance_m: float, height_m: float) -> float:
-        """Height above home to return at: lower within a cone above home, never a descent."""
-        if distance_m <= self._radius:
-            return height_m
-        wanted = self._return_height
-        if distance_m <= self._near and self._cone_rad > 0.0:
-            cone = distance_m / math.tan(self._cone_rad)
-            wanted = min(max(cone, 2.0 * self._radius), self._return_height)
-        return max(height_m, wanted)
+    def _is_done(
+        self, time_us: int, position_ned: Vector3, yaw_rad: float, parameters: ReturnParameters
+    ) -> bool:
+        """Whether the phase has come to its end."""
+        phase, (home_x, home_y, home_z) = self.phase, self.home_ned
+        height, near = home_z - position_ned[2], parameters.altitude_radius_m
+        if phase is ReturnPhase.CLIMB:
+            return abs(height - self.height_m) < near
+        if phase is ReturnPhase.RETURN:
+            distance = math.hypot(position_ned[0] - home_x, position_ned[1] - home_y)
+            faces = parameters.facing.accepts(self.yaw_rad, yaw_rad)
+            return distance < parameters.radius_m and faces
+        if phase is ReturnPhase.DESCEND:
+            return height - min(self.height_m, parameters.descend_height_m) < near
+        if phase is ReturnPhase.WAIT:
+            return 0.0 <= parameters.delay_s <= (time_us - self.since_us) / SECOND_US
+        return False

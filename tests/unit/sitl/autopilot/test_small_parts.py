@@ -7,7 +7,7 @@ import pytest
 from sitl.autopilot.control.hover_thrust import HoverThrust, HoverThrustParameters
 from sitl.autopilot.flight_modes.land_detector import LandDetector, LandDetectorParameters
 from sitl.autopilot.flight_modes.offboard import LATENCY_US, OffboardParameters, OffboardStream
-from sitl.autopilot.flight_modes.return_home import Phase, ReturnHome
+from sitl.autopilot.flight_modes.return_home import ReturnHome, ReturnParameters, ReturnPhase
 from sitl.autopilot.flight_modes.takeoff import Takeoff, TakeoffParameters, TakeoffStage
 from sitl.autopilot.parameters import Parameters
 from sitl.records.sensing import Estimate
@@ -123,26 +123,30 @@ def test_hover_thrust_is_not_learnt_when_told_not_to(parameters):
     ],
 )
 def test_return_height(parameters, north_m, height_m, expected_m):
-    way = ReturnHome(parameters)
-    way.start((north_m, 0.0, -height_m), ZERO)
+    resolved = ReturnParameters.resolve(parameters.values)
+    way = ReturnHome.start((north_m, 0.0, -height_m), ZERO, NAN, resolved)
     assert way.height_m == pytest.approx(expected_m)
 
 
 def test_return_waits_above_home_as_long_as_it_is_told(parameters):
     parameters.set("RTL_LAND_DELAY", 5.0)
-    way = ReturnHome(parameters)
-    way.start((0.0, 0.0, -5.0), ZERO)
-    phases = [way.update(round(1e6 * second), (0.0, 0.0, -5.0), 0.0)[0] for second in range(10)]
-    assert phases[:3] == [Phase.RETURN, Phase.DESCEND, Phase.WAIT]
-    assert phases[6:8] == [Phase.WAIT, Phase.LAND]
+    resolved = ReturnParameters.resolve(parameters.values)
+    way, phases = ReturnHome.start((0.0, 0.0, -5.0), ZERO, NAN, resolved), []
+    for second in range(10):
+        way = way.advance(round(1e6 * second), (0.0, 0.0, -5.0), 0.0, resolved)
+        phases.append(way.phase)
+    assert phases[:3] == [ReturnPhase.RETURN, ReturnPhase.DESCEND, ReturnPhase.WAIT]
+    assert phases[6:8] == [ReturnPhase.WAIT, ReturnPhase.LAND]
+    assert way.advance(10**9, (0.0, 0.0, -5.0), 0.0, resolved) is way
 
 
 def test_return_from_near_home_waits_for_the_heading_at_home(parameters):
-    way = ReturnHome(parameters)
-    way.start((3.0, 0.0, -6.0), ZERO, home_yaw_rad=math.pi)
-    turning = [math.radians(angle) for angle in (-90.0, -100.0, -167.0, -169.0, -179.0)]
-    phases = [way.update(0, (0.0, 0.0, -6.0), yaw)[0] for yaw in turning]
-    assert phases == [*[Phase.RETURN] * 3, Phase.DESCEND, Phase.WAIT]
+    resolved = ReturnParameters.resolve(parameters.values)
+    way, phases = ReturnHome.start((3.0, 0.0, -6.0), ZERO, math.pi, resolved), []
+    for angle in (-90.0, -100.0, -167.0, -169.0, -179.0):
+        way = way.advance(0, (0.0, 0.0, -6.0), math.radians(angle), resolved)
+        phases.append(way.phase)
+    assert phases == [*[ReturnPhase.RETURN] * 3, ReturnPhase.DESCEND, ReturnPhase.WAIT]
     assert way.yaw_rad == math.pi
 
 

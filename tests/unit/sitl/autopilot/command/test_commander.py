@@ -6,6 +6,8 @@ import pytest
 
 from sitl.autopilot.command.checks import Health, can_arm, can_run
 from sitl.records.modes import Mode
+from sitl.records.vehicle import OffboardSetpoint
+from tests.unit.sitl.autopilot.conftest import Flight
 
 NAN = math.nan
 ARM, SET_MODE, TAKEOFF, LAND, RETURN, TERMINATE = 400, 176, 22, 21, 20, 185
@@ -195,6 +197,15 @@ def test_senseless_modes_are_accepted_and_ignored(hovering, params):
     hovering.run(0.1)
     assert hovering.autopilot.status.mode is Mode.HOLD
     assert hovering.said == []
+
+
+def test_offboard_can_be_chosen_right_after_the_first_setpoint(hovering: Flight) -> None:
+    hovering.run(1.5)  # the last setpoint is old
+    assert hovering.command(SET_MODE, 1.0, 6.0, 0.0) == REJECTED
+    hovering.autopilot.offboard_setpoint(
+        OffboardSetpoint(time_us=hovering.time_us, velocity_ned=ZERO, yaw_rate_rad_s=0.0)
+    )
+    assert hovering.command(SET_MODE, 1.0, 6.0, 0.0) == ACCEPTED
 
 
 def test_take_off_while_disarmed_waits_for_arming(ready):

@@ -2,15 +2,14 @@
 
 import pytest
 
-from sitl.autopilot.command.checks import Battery, Health
+from sitl.autopilot.command.checks import BatteryLevel, Health
 from sitl.autopilot.command.failsafe import (
     ROWS,
-    Action,
-    Actions,
-    Cause,
-    Conditions,
-    Decision,
-    Memory,
+    FailsafeCause,
+    FailsafeDecision,
+    FailsafeInputs,
+    FailsafeMemory,
+    FailsafeParameters,
     battery,
     decide,
     estimate_loss,
@@ -20,6 +19,7 @@ from sitl.autopilot.command.failsafe import (
     setpoint_loss,
     sticks_loss,
 )
+from sitl.autopilot.command.mode_table import Action
 from sitl.records.modes import Mode
 
 WELL = Health(
@@ -39,24 +39,26 @@ LINK_LOSS = [
 ]
 
 
-def conditions(intended: Mode = Mode.OFFBOARD, *, armed: bool = True, **changes) -> Conditions:
-    actions = {name: changes.pop(name) for name in Actions._fields if name in changes}
-    return Conditions(armed, intended, WELL._replace(**changes), Actions(**actions))
+def inputs(intended: Mode = Mode.OFFBOARD, *, armed: bool = True, **changes) -> FailsafeInputs:
+    parameters = {name: changes.pop(name) for name in FailsafeParameters._fields if name in changes}
+    return FailsafeInputs(
+        armed, intended, WELL._replace(**changes), FailsafeParameters(**parameters)
+    )
 
 
-def at_once(given: Conditions) -> Decision:
-    return decide(given, Memory(), 0)[0]
+def at_once(given: FailsafeInputs) -> FailsafeDecision:
+    return decide(given, FailsafeMemory(), 0)[0]
 
 
-def after(given: Conditions, elapsed_us: int) -> Decision:
-    _, memory = decide(given, Memory(), 1000)
+def after(given: FailsafeInputs, elapsed_us: int) -> FailsafeDecision:
+    _, memory = decide(given, FailsafeMemory(), 1000)
     return decide(given, memory, 1000 + elapsed_us)[0]
 
 
 @pytest.mark.parametrize("mode", [Mode.OFFBOARD, Mode.RTL, Mode.HOLD, Mode.POSCTL, Mode.LAND])
 def test_does_what_was_intended_while_all_is_well(mode):
-    assert at_once(conditions(mode)) == Decision(mode)
-    assert not any(row(conditions(mode)) for row in ROWS)
+    assert at_once(inputs(mode)) == FailsafeDecision(mode)
+    assert not any(row(inputs(mode)) for row in ROWS)
 
 
 @pytest.mark.parametrize(
@@ -73,35 +75,40 @@ def test_does_what_was_intended_while_all_is_well(mode):
     ],
 )
 def test_loss_of_setpoints_leads_at_once_where_the_parameter_says(action, mode):
-    lost = conditions(offboard_available=False, setpoint_loss=action)
-    assert at_once(lost) == Decision(mode, Cause.SETPOINTS)
+    lost = inputs(offboard_available=False, setpoint_loss=action)
+    assert at_once(lost) == FailsafeDecision(mode, FailsafeCause.SETPOINTS)
 
 
 @pytest.mark.parametrize("mode", [Mode.HOLD, Mode.LAND, Mode.TAKEOFF])
 def test_loss_of_setpoints_matters_in_offboard_only(mode):
-    assert setpoint_loss(conditions(mode, offboard_available=False)) is None
+    assert setpoint_loss(inputs(mode, offboard_available=False)) is None
 
 
 @pytest.mark.parametrize(("number", "action", "stays"), LINK_LOSS)
 @pytest.mark.parametrize(
     ("row", "cause", "flag", "parameter"),
     [
-        (ground_station_loss, Cause.GROUND_STATION, "ground_station_lost", "ground_station_loss"),
-        (sticks_loss, Cause.STICKS, "sticks_lost", "sticks_loss"),
+        (
+            ground_station_loss,
+            FailsafeCause.GROUND_STATION,
+            "ground_station_lost",
+            "ground_station_loss",
+        ),
+        (sticks_loss, FailsafeCause.STICKS, "sticks_lost", "sticks_loss"),
     ],
 )
 def test_loss_of_a_link_does_what_the_parameter_says(
     row, cause, flag, parameter, number, action, stays
 ):
-    trigger = row(conditions(**{flag: True, parameter: number}))
+    trigger = row(inputs(**{flag: True, parameter: number}))
     assert trigger == (cause, action, True, stays, True)
-    assert row(conditions(**{flag: False, parameter: number})) is None
+    assert row(inputs(**{flag: False, parameter: number})) is None
 
 
 @pytest.mark.parametrize("number", [0, 4])
 def test_loss_of_the_ground_station_may_mean_nothing(number):
-    assert ground_station_loss(conditions(ground_station_lost=True)) is None
-    lost = conditions(ground_station_lost=True, ground_station_loss=number)
+    assert ground_station_loss(inputs(ground_station_lost=True)) is None
+    lost = inputs(ground_station_lost=True, ground_station_loss=number)
     assert ground_station_loss(lost) is None
 
 
@@ -110,8 +117,8 @@ def test_loss_of_the_ground_station_may_mean_nothing(number):
 )
 def test_a_mode_can_be_excepted_from_the_loss_of_a_link(mode, bit):
     for excepted in range(8):
-        sticks = conditions(mode, sticks_lost=True, sticks_exceptions=excepted)
-        station = conditions(
+        sticks = inputs(mode, sticks_lost=True, sticks_exceptions=excepted)
+        station = inputs(
             mode,
             ground_station_lost=True,
             ground_station_loss=2,
@@ -124,17 +131,17 @@ def test_a_mode_can_be_excepted_from_the_loss_of_a_link(mode, bit):
 @pytest.mark.parametrize(
     ("level", "parameter", "action"),
     [
-        (Battery.FINE, 3, None),
-        (Battery.LOW, 3, None),
-        (Battery.CRITICAL, 3, Action.RETURN),
-        (Battery.EMERGENCY, 3, Action.LAND),
-        (Battery.CRITICAL, 2, Action.LAND),
-        (Battery.EMERGENCY, 2, Action.LAND),
-        (Battery.EMERGENCY, 0, None),
+        (BatteryLevel.FINE, 3, None),
+        (BatteryLevel.LOW, 3, None),
+        (BatteryLevel.CRITICAL, 3, Action.RETURN),
+        (BatteryLevel.EMERGENCY, 3, Action.LAND),
+        (BatteryLevel.CRITICAL, 2, Action.LAND),
+        (BatteryLevel.EMERGENCY, 2, Action.LAND),
+        (BatteryLevel.EMERGENCY, 0, None),
     ],
 )
 def test_an_empty_battery_brings_the_vehicle_down(level, parameter, action):
-    trigger = battery(conditions(battery=level, low_battery=parameter))
+    trigger = battery(inputs(battery=level, low_battery=parameter))
     assert (trigger and trigger.action) == action
 
 
@@ -150,17 +157,17 @@ def test_an_empty_battery_brings_the_vehicle_down(level, parameter, action):
     ],
 )
 def test_leaving_the_fence_does_what_the_parameter_says_at_once(number, action):
-    trigger = geofence(conditions(fence_breached=True, fence=number))
+    trigger = geofence(inputs(fence_breached=True, fence=number))
     assert (trigger and trigger.action) == action
     assert trigger is None or not trigger.waits
-    assert geofence(conditions(fence=number)) is None
+    assert geofence(inputs(fence=number)) is None
 
 
 def test_a_mission_that_failed_leads_home_while_it_is_flown():
-    failed = conditions(Mode.MISSION, mission_failed=True)
-    assert at_once(failed) == Decision(Mode.HOLD, Cause.MISSION, Action.RETURN)
-    assert after(failed, HOLD_US) == Decision(Mode.RTL, Cause.MISSION)
-    assert at_once(conditions(Mode.HOLD, mission_failed=True)) == Decision(Mode.HOLD)
+    failed = inputs(Mode.MISSION, mission_failed=True)
+    assert at_once(failed) == FailsafeDecision(Mode.HOLD, FailsafeCause.MISSION, Action.RETURN)
+    assert after(failed, HOLD_US) == FailsafeDecision(Mode.RTL, FailsafeCause.MISSION)
+    assert at_once(inputs(Mode.HOLD, mission_failed=True)) == FailsafeDecision(Mode.HOLD)
 
 
 @pytest.mark.parametrize(
@@ -179,88 +186,95 @@ def test_a_mission_that_failed_leads_home_while_it_is_flown():
     ],
 )
 def test_a_mode_ends_where_the_estimate_no_longer_carries_it(mode, lost, action):
-    trigger = estimate_loss(conditions(mode, **{lost: False}))
+    trigger = estimate_loss(inputs(mode, **{lost: False}))
     assert (trigger and trigger.action) == action
 
 
 def test_attitude_setpoints_need_no_position():
-    given = conditions(position_valid=False, altitude_valid=False, offboard_by_attitude=True)
+    given = inputs(position_valid=False, altitude_valid=False, offboard_by_attitude=True)
     assert estimate_loss(given) is None
 
 
 def test_return_waits_in_hold_for_the_delay():
-    lost = conditions(Mode.OFFBOARD, ground_station_lost=True, ground_station_loss=2)
-    assert at_once(lost) == Decision(Mode.HOLD, Cause.GROUND_STATION, Action.RETURN)
+    lost = inputs(Mode.OFFBOARD, ground_station_lost=True, ground_station_loss=2)
+    assert at_once(lost) == FailsafeDecision(Mode.HOLD, FailsafeCause.GROUND_STATION, Action.RETURN)
     assert after(lost, HOLD_US - 4000).mode is Mode.HOLD
-    assert after(lost, HOLD_US) == Decision(Mode.RTL, Cause.GROUND_STATION)
+    assert after(lost, HOLD_US) == FailsafeDecision(Mode.RTL, FailsafeCause.GROUND_STATION)
 
 
 def test_without_a_delay_nothing_waits():
-    lost = conditions(sticks_lost=True, hold_us=0)
-    assert at_once(lost) == Decision(Mode.RTL, Cause.STICKS)
+    lost = inputs(sticks_lost=True, hold_us=0)
+    assert at_once(lost) == FailsafeDecision(Mode.RTL, FailsafeCause.STICKS)
 
 
 def test_what_comes_back_during_the_hold_is_as_if_nothing_had_been():
-    lost = conditions(Mode.OFFBOARD, sticks_lost=True)
-    _, memory = decide(lost, Memory(), 0)
-    decision, memory = decide(conditions(), memory, HOLD_US - 4000)
-    assert (decision, memory) == (Decision(Mode.OFFBOARD), Memory())
+    lost = inputs(Mode.OFFBOARD, sticks_lost=True)
+    _, memory = decide(lost, FailsafeMemory(), 0)
+    decision, memory = decide(inputs(), memory, HOLD_US - 4000)
+    assert (decision, memory) == (FailsafeDecision(Mode.OFFBOARD), FailsafeMemory())
 
 
 def test_a_return_goes_on_though_the_link_is_back():
-    lost = conditions(Mode.OFFBOARD, sticks_lost=True, hold_us=0)
-    _, memory = decide(lost, Memory(), 0)
-    assert decide(conditions(hold_us=0), memory, 4000)[0] == Decision(Mode.RTL, Cause.STICKS)
+    lost = inputs(Mode.OFFBOARD, sticks_lost=True, hold_us=0)
+    _, memory = decide(lost, FailsafeMemory(), 0)
+    assert decide(inputs(hold_us=0), memory, 4000)[0] == FailsafeDecision(
+        Mode.RTL, FailsafeCause.STICKS
+    )
 
 
 def test_a_hold_ends_when_the_link_is_back():
-    lost = conditions(ground_station_lost=True, ground_station_loss=1)
-    decision, memory = decide(lost, Memory(), 0)
-    assert decision == Decision(Mode.HOLD, Cause.GROUND_STATION)
-    assert decide(conditions(), memory, 4000)[0] == Decision(Mode.OFFBOARD)
+    lost = inputs(ground_station_lost=True, ground_station_loss=1)
+    decision, memory = decide(lost, FailsafeMemory(), 0)
+    assert decision == FailsafeDecision(Mode.HOLD, FailsafeCause.GROUND_STATION)
+    assert decide(inputs(), memory, 4000)[0] == FailsafeDecision(Mode.OFFBOARD)
 
 
 def test_the_user_goes_before_a_link_or_the_battery_but_not_before_the_estimate():
-    lost = conditions(Mode.HOLD, battery=Battery.CRITICAL, sticks_lost=True, hold_us=0)
-    _, memory = decide(lost, Memory(), 0)
+    lost = inputs(Mode.HOLD, battery=BatteryLevel.CRITICAL, sticks_lost=True, hold_us=0)
+    _, memory = decide(lost, FailsafeMemory(), 0)
     memory = override(lost, memory)
     decision, memory = decide(lost, memory, 4000)
-    assert decision == Decision(Mode.HOLD)
+    assert decision == FailsafeDecision(Mode.HOLD)
     blind = lost._replace(health=lost.health._replace(position_valid=False))
     assert decide(blind, override(blind, memory), 8000)[0].mode is Mode.LAND
 
 
 def test_an_overridden_cause_acts_again_once_it_has_been_gone():
-    lost = conditions(Mode.HOLD, sticks_lost=True, hold_us=0)
-    memory = override(lost, Memory())
-    _, memory = decide(conditions(Mode.HOLD), memory, 4000)
+    lost = inputs(Mode.HOLD, sticks_lost=True, hold_us=0)
+    memory = override(lost, FailsafeMemory())
+    _, memory = decide(inputs(Mode.HOLD), memory, 4000)
     assert decide(lost, memory, 8000)[0].mode is Mode.RTL
 
 
 def test_the_gravest_action_is_taken():
-    both = conditions(Mode.OFFBOARD, offboard_available=False, battery=Battery.EMERGENCY, hold_us=0)
-    assert at_once(both) == Decision(Mode.LAND, Cause.BATTERY)
+    both = inputs(
+        Mode.OFFBOARD, offboard_available=False, battery=BatteryLevel.EMERGENCY, hold_us=0
+    )
+    assert at_once(both) == FailsafeDecision(Mode.LAND, FailsafeCause.BATTERY)
 
 
 def test_of_equally_grave_actions_the_one_that_does_not_wait_is_taken():
-    both = conditions(Mode.HOLD, sticks_lost=True, sticks_loss=2, fence_breached=True, fence=3)
-    assert at_once(both) == Decision(Mode.RTL, Cause.FENCE)
+    both = inputs(Mode.HOLD, sticks_lost=True, sticks_loss=2, fence_breached=True, fence=3)
+    assert at_once(both) == FailsafeDecision(Mode.RTL, FailsafeCause.FENCE)
 
 
 @pytest.mark.parametrize("mode", [Mode.RTL, Mode.LAND])
 def test_a_vehicle_on_its_way_down_is_not_kept_from_it(mode):
-    assert at_once(conditions(mode, sticks_lost=True)).mode is mode
-    station = conditions(mode, ground_station_lost=True, ground_station_loss=1)
+    assert at_once(inputs(mode, sticks_lost=True)).mode is mode
+    station = inputs(mode, ground_station_lost=True, ground_station_loss=1)
     assert at_once(station).mode is mode
 
 
 def test_what_the_estimate_does_not_allow_falls_through():
-    blind = conditions(Mode.ALTCTL, position_valid=False, sticks_lost=True, hold_us=0)
+    blind = inputs(Mode.ALTCTL, position_valid=False, sticks_lost=True, hold_us=0)
     assert at_once(blind).mode is Mode.LAND
     upset = blind._replace(health=blind.health._replace(attitude_valid=False))
     assert at_once(upset).mode is Mode.TERMINATION
 
 
 def test_nothing_fails_safe_while_disarmed():
-    lost = conditions(armed=False, offboard_available=False, battery=Battery.EMERGENCY)
-    assert decide(lost, Memory(since_us=1), 0) == (Decision(Mode.OFFBOARD), Memory())
+    lost = inputs(armed=False, offboard_available=False, battery=BatteryLevel.EMERGENCY)
+    assert decide(lost, FailsafeMemory(since_us=1), 0) == (
+        FailsafeDecision(Mode.OFFBOARD),
+        FailsafeMemory(),
+    )

@@ -2,7 +2,13 @@
 
 import pytest
 
-from sitl.autopilot.flight_modes.geofence import ALTITUDE, AREA, DISTANCE, Geofence
+from sitl.autopilot.flight_modes.geofence import (
+    ALTITUDE,
+    AREA,
+    DISTANCE,
+    FenceParameters,
+    Geofence,
+)
 from sitl.autopilot.parameters import Parameters
 from sitl.records.missions import MissionItem, MissionResult, PlanKind
 from sitl.records.modes import Mode
@@ -23,6 +29,10 @@ ACCEPTED, REJECTED, DENIED = 0, 1, 2
 SQUARE = ((10.0, 10.0), (10.0, -10.0), (-10.0, -10.0), (-10.0, 10.0))
 ELL = ((0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (10.0, 10.0), (10.0, 20.0), (0.0, 20.0))
 HOME_NED = (0.0, 0.0, 0.0)
+
+
+def make_fence(**limits: float) -> Geofence:
+    return Geofence(FenceParameters.resolve(Parameters(limits).values), HOME)
 
 
 @pytest.mark.parametrize(
@@ -52,7 +62,7 @@ def test_areas(
     inside: list[tuple[float, float]],
     outside: list[tuple[float, float]],
 ) -> None:
-    fence = Geofence(Parameters(), HOME)
+    fence = make_fence()
     fence.take(plan)
     for north, east in inside:
         assert fence.judge((north, east, -5.0), HOME_NED) is None
@@ -61,7 +71,7 @@ def test_areas(
 
 
 def test_limits_around_home() -> None:
-    fence = Geofence(Parameters({"GF_MAX_HOR_DIST": 20.0, "GF_MAX_VER_DIST": 8.0}), HOME)
+    fence = make_fence(GF_MAX_HOR_DIST=20.0, GF_MAX_VER_DIST=8.0)
     home = (100.0, 0.0, -1.0)
     assert fence.judge((115.0, -12.0, -8.9), home) is None
     assert fence.judge((116.1, -12.1, -5.0), home) == DISTANCE
@@ -69,7 +79,7 @@ def test_limits_around_home() -> None:
 
 
 def test_it_is_looked_at_five_times_a_second() -> None:
-    fence = Geofence(Parameters({"GF_MAX_VER_DIST": 8.0}), HOME)
+    fence = make_fence(GF_MAX_VER_DIST=8.0)
     assert fence.breach(0, HOME_NED, HOME_NED) is None
     assert fence.breach(196_000, (0.0, 0.0, -9.0), HOME_NED) is None
     assert fence.breach(200_000, (0.0, 0.0, -9.0), HOME_NED) == ALTITUDE
