@@ -8,7 +8,6 @@ import contextlib
 import json
 import select
 import signal
-import subprocess
 import tempfile
 import time
 from collections.abc import Sequence
@@ -17,6 +16,7 @@ from typing import Any, NamedTuple
 
 from pymavlink.dialects.v20 import development as mavlink
 
+from flightstack.launch.processes import Process
 from scripts.compare.messages import (
     CAMERA_TRIGGER,
     Message,
@@ -85,7 +85,7 @@ def _relay(
     companion: Link,
     companion_port: int,
     events: Sequence[Event],
-    process: subprocess.Popen[str],
+    process: Process,
 ) -> None:
     """Pass on what both say until the companion ends, and let the events happen."""
     codec, reader, due = mavlink.MAVLink(None, *STATION), Reader(), list(events)

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Self
 
+from flightstack.launch.processes import Process, Program, running
 from scripts.compare.messages import Message, Reader
 
 PATIENCE_S = 30.0  # wall time
@@ -80,26 +81,19 @@ def companion_command(port: int, log: Path, *options: str) -> list[str]:
 @contextlib.contextmanager
 def started(
     root: Path, command: list[str], variables: Mapping[str, str] | None = None
-) -> Iterator[subprocess.Popen[str]]:
+) -> Iterator[Process]:
     """Run a command with the code at `root`; on any way out, end it."""
     inherited = {name: value for name, value in os.environ.items() if not name.startswith("PX4_")}
-    process = subprocess.Popen(
-        command,
-        cwd=root,
-        env={**inherited, "PYTHONPATH": str(root), "OMP_NUM_THREADS": "1", **(variables or {})},
-        stdin=subprocess.DEVNULL,
+    settled = {"PYTHONPATH": str(root), "OMP_NUM_THREADS": "1", **(variables or {})}
+    program = Program(
+        command=command,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-        text=True,
+        environment=inherited | settled,
+        folder=root,
     )
-    try:
+    with running(program, ends_s=ENDS_S) as process:
         yield process
-    finally:
-        process.terminate()
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(ENDS_S)
-        process.kill()
-        process.communicate()
 
 
 def free_port() -> int:
@@ -109,7 +103,7 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-def wait_until_bound(port: int, process: subprocess.Popen[str]) -> None:
+def wait_until_bound(port: int, process: Process) -> None:
     """Wait until somebody listens on a UDP port; looks without touching it."""
     deadline_s = time.monotonic() + PATIENCE_S
     while f":{port:04X} " not in Path("/proc/net/udp").read_text():
