@@ -21,7 +21,8 @@ from flightstack.logs.tlog.packets import Packets
 from flightstack.logs.tlog.source import ByteSource, mapped
 
 if TYPE_CHECKING:
-    from flightstack.logs.tlog.damage import Damage, SourceLoss
+    from flightstack.logs.tlog.damage import Damage
+    from flightstack.logs.tlog.losses import SourceLoss
 
 
 class Log:
@@ -76,9 +77,11 @@ class Log:
     @cached_property
     def losses(self) -> "tuple[SourceLoss, ...]":
         """What the sequence numbers of every sender tell about the link."""
-        from flightstack.logs.tlog.damage import find_losses  # noqa: PLC0415  # few ask for it
+        from flightstack.logs.columns.boot_clock import CLOCKED, restart_rows  # noqa: PLC0415
+        from flightstack.logs.tlog.losses import find_losses  # noqa: PLC0415  # few ask for it
 
-        return find_losses(self.packets)
+        tables = [self[name] for name in CLOCKED if name in self]
+        return find_losses(self.packets, restart_rows(tables))
 
     @cached_property
     def damage(self) -> "Damage":
@@ -156,10 +159,10 @@ class Log:
         UnknownNameError where a pattern is no message of the dialect at all.
         """
         patterns = list(patterns)
-        for pattern in patterns:
-            if not any(fnmatchcase(name, pattern) for name in ids_by_name()):
-                message_id(pattern)
         held = {name: message_id(name) for name in self.counts}
+        for pattern in patterns:
+            if not any(fnmatchcase(name, pattern) for name in (*held, *ids_by_name())):
+                message_id(pattern)
         return [held[n] for n in held if any(fnmatchcase(n, pattern) for pattern in patterns)]
 
 

@@ -139,11 +139,16 @@ def _attitude_row(flight: Flight) -> list[PlotRow]:
 
 
 def _battery_row(flight: Flight) -> list[PlotRow]:
-    table = flight.battery
-    if len(table) < 2:
-        return []
-    x, volts = _seconds(flight, table.time_us), table["voltage_battery"] * 1e-3
-    return [PlotRow(title="battery, V", traces=[line(x, volts, "battery", "#6d597a")])]
+    battery = flight.battery
+    rows = []
+    if len(battery.volts) > 1:
+        trace = line(_seconds(flight, battery.voltage_at_us), battery.volts, "battery", "#6d597a")
+        rows.append(PlotRow(title="battery, V", traces=[trace]))
+    elif len(battery.percent) > 1:
+        x = _seconds(flight, battery.charge_at_us)
+        trace = line(x, battery.percent.astype(np.float64), "battery", "#6d597a")
+        rows.append(PlotRow(title="battery, %", traces=[trace]))
+    return rows
 
 
 ROWS: tuple[Callable[[Flight], list[PlotRow]], ...] = (

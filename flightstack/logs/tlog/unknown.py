@@ -175,8 +175,8 @@ def implausible(packets: Packets) -> NDArray[np.bool_]:
         agree = packets.extra[rows] == majority
         count = np.count_nonzero(agree)
         if msgid & OTHER_DEFINITION:
-            doubtful = count < max(MIN_AGREEING, MIN_AGREEING_SHARE * len(rows))
+            doubtful = bool(count < max(MIN_AGREEING, MIN_AGREEING_SHARE * len(rows)))
         else:
-            doubtful = is_damaged and count == 1
+            doubtful = bool(is_damaged and count == 1)
         wrong[rows] = ~agree | doubtful
     return wrong

@@ -139,7 +139,7 @@ def test_another_vehicle_can_be_chosen() -> None:
         (12, 2, 209, 0x00060000, "OFFBOARD"),
         (12, 2, 157, 0x05040000, "AUTO.RTL"),
         (12, 2, 209, 0x00030000, "POSCTL"),
-        (12, 2, 1, 0x00FF0000, "mode 0x00ff0000"),
+        (12, 2, 1, 0x00FF0000, "0x00ff0000"),
         (3, 2, 81, 4, "GUIDED"),
         (3, 1, 81, 11, "RTL"),
         (3, 10, 81, 10, "AUTO"),

@@ -1,0 +1,348 @@
+"""One notion of the vehicle: who flies, what it is, and what it did, by what it is."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pymavlink.dialects.v20 import all as mavlink
+
+from flightstack.logs import read_bytes
+from flightstack.logs.checks import run_checks
+from flightstack.logs.cli import main
+from flightstack.logs.columns.expression import holds
+from flightstack.logs.columns.senders import find_participants, main_autopilot
+from flightstack.logs.errors import UnknownNameError
+from flightstack.logs.facts.summary import summarise
+from flightstack.logs.facts.values import Facts
+from flightstack.logs.flight.flight import Flight
+from flightstack.logs.flight.parameters import read_parameters
+from flightstack.logs.text.summary_text import page
+from tests.unit.flightstack.logs.kinds.made_vehicles import (
+    ARDUPILOT,
+    ARMED,
+    BOAT,
+    COMPANION_TYPE,
+    GCS,
+    GENERIC,
+    INVALID,
+    PLANE,
+    PX4,
+    QUAD,
+    ROVER,
+    SUB,
+    Entry,
+    Sender,
+    Vehicle,
+    entries,
+    tlog,
+)
+from tests.unit.flightstack.logs.made_flights import make_flight
+from tests.unit.flightstack.logs.made_logs import START_US
+
+SECOND = 1_000_000
+
+
+def facts_of(rows: list[Entry], system: int | None = None) -> Facts:
+    flight = Flight(read_bytes(tlog(rows)), system)
+    return summarise(flight, run_checks(flight))
+
+
+def level(facts: Facts, name: str) -> str:
+    return next(str(each["level"]) for each in facts["checks"] if each["name"] == name)
+
+
+def every(
+    step_s: float, sender: Sender, make: Callable[[int], Any], end_s: float = 60
+) -> list[Entry]:
+    count = int(end_s / step_s)
+    return [(START_US + round(n * step_s * SECOND) + 3, sender.pack(make(n))) for n in range(count)]
+
+
+def beat(kind: int, autopilot: int, mode: int = 0) -> Any:
+    return mavlink.MAVLink_heartbeat_message(kind, autopilot, 0, mode, 4, 3)
+
+
+@pytest.mark.parametrize(
+    ("system", "component", "kind"), [(255, 190, 16), (252, 1, 6), (255, 0, 16)]
+)
+@pytest.mark.parametrize("step_s", [0.05, 0.5])
+def test_the_vehicle_is_the_one_that_flies_not_who_beats_most(
+    system: int, component: int, kind: int, step_s: float
+) -> None:
+    station = every(step_s, Sender(system, component), lambda _n: beat(kind, GENERIC))
+    facts = facts_of(entries(Vehicle(type=PLANE)) + station)
+    assert facts["vehicle"] == {"system": 1, "component": 1, "kind": "ardupilotmega fixed wing"}
+    assert facts["other_vehicles"] == []
+    roles = {(each["system"], each["component"]): each["role"] for each in facts["links"]}
+    assert roles[system, component] == "ground station"
+
+
+@pytest.mark.parametrize("other", [2, 77])
+def test_a_second_vehicle_is_named_and_can_be_chosen(other: int, tmp_path: Path) -> None:
+    rows = entries(Vehicle(autopilot=PX4)) + entries(
+        Vehicle(type=ROVER, speed_m_s=2.0), Sender(other)
+    )
+    facts = facts_of(rows)
+    assert [each["system"] for each in facts["other_vehicles"]] == [other]
+    assert f"also      system {other}: ardupilotmega ground rover" in page(facts)
+    chosen = facts_of(rows, other)
+    assert chosen["vehicle"]["system"] == other
+    assert (chosen["flights"], chosen["outing"], chosen["outings"]) == (0, "drive", 1)
+    with pytest.raises(UnknownNameError, match=f"holds 1, {other}"):
+        facts_of(rows, 9)
+    path = tmp_path / "two.tlog"
+    path.write_bytes(tlog(rows))
+    assert main([str(path), "--system", "9"]) == 2
+
+
+def test_conditions_read_the_vehicle_whoever_else_sends_that_message() -> None:
+    rows = entries(Vehicle(mode=4)) + every(0.3, Sender(255, 190), lambda _n: beat(GCS, INVALID, 0))
+    log = read_bytes(tlog(rows))
+    vehicle = main_autopilot(find_participants(log), None)
+    attitude = np.flatnonzero(log.packets.msgid == 30)
+    assert holds("HEARTBEAT.custom_mode == 4", log, attitude, vehicle).all()
+    assert not holds("HEARTBEAT.custom_mode == 4", log, attitude).all()
+
+
+@pytest.mark.parametrize("component", [190, 0, 1])
+def test_parameters_are_the_vehicles_whoever_fetched_them(component: int) -> None:
+    teller, gimbal = Sender(1, component), Sender(1, 154)
+    count = 40
+
+    def parameter(n: int) -> Any:
+        return mavlink.MAVLink_param_value_message(b"P_%d" % n, n, 9, count, n)
+
+    rows = entries(Vehicle())
+    rows += [(START_US + n, teller.pack(parameter(n))) for n in range(count)]
+    rows += [(START_US, gimbal.pack(mavlink.MAVLink_param_value_message(b"GMB_X", 1, 9, 1, 0)))]
+    values = read_parameters(Flight(read_bytes(tlog(rows)))).values
+    assert len(values) == count
+    assert "GMB_X" not in values
+
+
+def noisy(amplitude: float, height: float, seed: int) -> Callable[[float], float]:
+    noise = np.random.default_rng(seed).uniform(-amplitude, amplitude, 1000)
+
+    def down(t: float) -> float:
+        up = max(0.0, min(1.0, (t - 15) / 6, (45 - t) / 6))
+        return float(-height * up + noise[round(t * 10)])
+
+    return down
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize(("amplitude", "height"), [(0.3, 30.0), (1.5, 40.0), (2.5, 60.0)])
+def test_a_plane_with_a_noisy_height_flies_once(amplitude: float, height: float, seed: int) -> None:
+    facts = facts_of(entries(Vehicle(type=PLANE, down=noisy(amplitude, height, seed))))
+    assert facts["flights"] == 1
+    assert 20 < facts["flight_time_s"] < 35
+
+
+@pytest.mark.parametrize(("kind", "noun"), [(ROVER, "drive"), (BOAT, "trip")])
+@pytest.mark.parametrize("speed", [1.0, 4.0])
+def test_what_drives_never_flies(kind: int, noun: str, speed: float) -> None:
+    facts = facts_of(entries(Vehicle(type=kind, speed_m_s=speed, down=noisy(1.0, 0.0, 3))))
+    assert (facts["flights"], facts["outing"], facts["outings"]) == (0, noun, 1)
+    assert facts["distance_m"] == pytest.approx(40 * speed, rel=0.05)
+    assert "in the air" not in page(facts)
+
+
+@pytest.mark.parametrize("depth", [3.0, 20.0])
+def test_a_submarine_dives(depth: float) -> None:
+    def down(t: float) -> float:
+        return depth * max(0.0, min(1.0, (t - 10) / 8, (50 - t) / 8))
+
+    facts = facts_of(entries(Vehicle(type=SUB, down=down)))
+    assert (facts["flights"], facts["outing"], facts["outings"]) == (0, "dive", 1)
+    assert facts["max_depth_m"] == pytest.approx(depth)
+    assert facts["ends"] == "surfaced and disarmed"
+
+
+@pytest.mark.parametrize("unknown_until_s", [11.0, 25.0])
+def test_a_position_that_comes_late_is_still_a_flight(unknown_until_s: float) -> None:
+    plain = Vehicle().down
+    rows = entries(
+        Vehicle(autopilot=PX4, down=lambda t: np.nan if t < unknown_until_s else plain(t))
+    )
+    assert facts_of(rows)["flights"] == 1
+
+
+@pytest.mark.parametrize("end_s", [30.0, 33.7])
+def test_nothing_is_disarmed_that_was_not(end_s: float) -> None:
+    facts = facts_of(entries(Vehicle(end_s=end_s)))
+    assert facts["ends"] == "in the air, armed"
+    assert "disarmed" not in page(facts)
+
+
+def test_landed_state_is_believed_where_it_is_told() -> None:
+    def state(n: int) -> Any:
+        return mavlink.MAVLink_extended_sys_state_message(0, 2 if 20 <= n < 30 else 1)
+
+    told = entries(Vehicle()) + every(1.0, Sender(), state)
+    assert facts_of(told)["flight_time_s"] == pytest.approx(10.0, abs=0.1)
+    silent = entries(Vehicle()) + every(
+        1.0, Sender(), lambda _n: mavlink.MAVLink_extended_sys_state_message(0, 0)
+    )
+    assert facts_of(silent)["flight_time_s"] > 30
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "mode", "name"), [(PX4, 0x0304, "AUTO.LOITER"), (ARDUPILOT, 5, "LOITER")]
+)
+def test_high_latency_alone_tells_mode_position_and_battery(
+    autopilot: int, mode: int, name: str
+) -> None:
+    def slow(n: int) -> Any:
+        values = [0] * 27
+        message = mavlink.MAVLink_high_latency2_message(*values)
+        message.timestamp, message.type, message.autopilot = n * 10_000, QUAD, autopilot
+        message.custom_mode, message.battery, message.altitude = mode, 80 - n, 10
+        return message
+
+    facts = facts_of(every(10.0, Sender(), slow, 300))
+    assert facts["vehicle"]["system"] == 1
+    assert [each["mode"] for each in facts["modes"]] == [name]
+    assert facts["position_from"] == "HIGH_LATENCY2"
+    assert (facts["battery"]["start_percent"], facts["battery"]["end_percent"]) == (80, 51)
+    assert "None" not in page(facts)
+
+
+def test_a_charge_that_nobody_knows_is_not_told() -> None:
+    def status(_n: int) -> Any:
+        return mavlink.MAVLink_sys_status_message(0, 0, 0, 0, 15170, -1, -1, 0, 0, 0, 0, 0, 0)
+
+    beats = every(1.0, Sender(), lambda _n: beat(QUAD, ARDUPILOT))
+    facts = facts_of(beats + every(1.0, Sender(), status))
+    assert "15.17 V to 15.17 V" in page(facts)
+    assert level(facts, "battery") == "skipped"
+
+
+@pytest.mark.parametrize("cells", [3, 6])
+def test_battery_status_counts_too(cells: int) -> None:
+    def status(n: int) -> Any:
+        return mavlink.MAVLink_battery_status_message(
+            0, 0, 0, 32767, [4000] * cells + [65535] * (10 - cells), -1, -1, -1, 50 - n % 40
+        )
+
+    beats = every(1.0, Sender(), lambda _n: beat(QUAD, ARDUPILOT))
+    facts = facts_of(beats + every(1.0, Sender(), status))
+    assert facts["battery"]["start_v"] == pytest.approx(4.0 * cells)
+    assert facts["battery"]["start_percent"] == 50
+    assert level(facts, "battery") == "warning"
+
+
+def guided(mode: int, autopilot: int, extra: list[Entry]) -> Facts:
+    return facts_of(entries(Vehicle(autopilot=autopilot, mode=mode)) + extra)
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "mode", "name"), [(ARDUPILOT, 4, "GUIDED"), (PX4, 0x60000, "OFFBOARD")]
+)
+@pytest.mark.parametrize("orders", [0, 2])
+def test_setpoints_are_judged_only_where_somebody_streams_them(
+    autopilot: int, mode: int, name: str, orders: int
+) -> None:
+    station = Sender(255, 190)
+    order = mavlink.MAVLink_set_position_target_local_ned_message
+    extra = [
+        (START_US + (20 + 9 * n) * SECOND, station.pack(order(n, 1, 1, 1, 0xDF8, *([0] * 11))))
+        for n in range(orders)
+    ]
+    facts = guided(mode, autopilot, extra)
+    assert level(facts, "setpoint_rate") == "skipped"
+    reason = next(each["reason"] for each in facts["checks"] if each["name"] == "setpoint_rate")
+    assert name in reason
+    assert facts["offboard"] is None or orders
+
+
+def test_a_companion_that_stops_streaming_is_still_an_error() -> None:
+    companion = Sender(1, 191)
+    make = mavlink.MAVLink_set_position_target_local_ned_message
+    extra = [
+        (
+            START_US + n * 50_000,
+            companion.pack(make(n, 1, 1, 1, 0x5C7, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0)),
+        )
+        for n in range(100, 400)
+    ]
+    assert level(guided(0x60000, PX4, extra), "setpoint_rate") == "ok"
+    gap = [row for row in extra if not START_US + 12 * SECOND < row[0] < START_US + 15 * SECOND]
+    assert level(guided(0x60000, PX4, gap), "setpoint_rate") == "error"
+
+
+@pytest.mark.parametrize("kind", [PLANE, 22, ROVER, SUB])
+def test_servos_of_a_plane_are_no_motors(kind: int) -> None:
+    def outputs(n: int) -> Any:
+        return mavlink.MAVLink_servo_output_raw_message(n, 0, 2000, 1000, 2000, 2000, 0, 0, 0, 0)
+
+    rows = entries(Vehicle(type=kind)) + every(0.2, Sender(), outputs)
+    assert level(facts_of(rows), "motor_saturation") == "skipped"
+    throttle = mavlink.MAVLink_param_value_message(b"SERVO3_FUNCTION", 33, 4, 9, 0)
+    told = [*rows, (START_US, Sender().pack(throttle))]
+    expected = "warning" if kind in (PLANE, 22) else "skipped"
+    assert level(facts_of(told), "motor_saturation") == expected
+
+
+def test_a_failsafe_on_the_bench_endangers_no_flight() -> None:
+    def critical(_n: int) -> Any:
+        return mavlink.MAVLink_heartbeat_message(QUAD, PX4, 1, 0, 5, 3)
+
+    assert level(facts_of(every(1.0, Sender(), critical)), "failsafe") == "warning"
+
+    def in_flight(_n: int) -> Any:
+        return mavlink.MAVLink_heartbeat_message(QUAD, PX4, 1 | ARMED, 0, 5, 3)
+
+    assert level(facts_of(every(1.0, Sender(), in_flight)), "failsafe") == "error"
+
+
+def test_decisions_are_the_companions_not_their_echo() -> None:
+    data = make_flight(8.0)
+    log = read_bytes(data)
+    true = len(Flight(log).decisions)
+    vehicle = Sender(1, 1)
+    echoed = log["DEBUG_FLOAT_ARRAY"]
+    rows = [
+        (
+            time_us + 900,
+            vehicle.pack(
+                mavlink.MAVLink_debug_float_array_message(us + 7, name.encode(), 0, values)
+            ),
+        )
+        for time_us, us, name, values in zip(
+            echoed.time_us[::2].tolist(),
+            echoed["time_usec"][::2].tolist(),
+            echoed["name"][::2].tolist(),
+            echoed["data"][::2].tolist(),
+            strict=True,
+        )
+    ]
+    again = Flight(read_bytes(data + tlog(rows)))
+    assert len(again.decisions) == true
+    assert set(read_bytes(tlog(rows))["DEBUG_FLOAT_ARRAY"].component.tolist()) == {1}
+    assert len(Flight(read_bytes(tlog(rows))).decisions) > 0
+
+
+def test_links_are_judged_by_counters_that_are_one_links() -> None:
+    one, two = Sender(255, 190), Sender(255, 190)
+    two.link.seq = 120
+    programs = every(0.15, one, lambda _n: beat(GCS, INVALID))
+    programs += every(
+        1.9, two, lambda _n: mavlink.MAVLink_request_data_stream_message(1, 1, 1, 4, 1)
+    )
+    facts = facts_of(entries(Vehicle()) + programs)
+    assert level(facts, "link_loss") == "ok"
+    assert "several programs" in page(facts)
+
+    shared = Sender(1, 194)
+    rows = []
+    for n in range(400):
+        shared.link.srcComponent = 220 if n % 5 else 194
+        rows.append((START_US + n * 90_000, shared.pack(beat(COMPANION_TYPE, INVALID))))
+    facts = facts_of(entries(Vehicle()) + rows)
+    assert level(facts, "link_loss") == "ok"
+    assert "counted together" in page(facts)
+
+    lossy = [row for n, row in enumerate(entries(Vehicle())) if n % 10 != 3]
+    assert level(facts_of(lossy), "link_loss") == "error"
