@@ -12,11 +12,17 @@ from typing import Any
 
 from pymavlink.dialects.v20 import all as mavlink
 
+from flightstack.logs import read_bytes
+from flightstack.logs.checks import run_checks
+from flightstack.logs.facts.summary import summarise
+from flightstack.logs.facts.values import Facts
+from flightstack.logs.flight.flight import Flight
 from tests.unit.flightstack.logs.made_logs import START_US
 
 PLANE, QUAD, ROVER, BOAT, SUB, GCS, COMPANION_TYPE = 1, 2, 10, 11, 12, 6, 18  # MAV_TYPE
 GENERIC, ARDUPILOT, INVALID, PX4 = 0, 3, 8, 12  # MAV_AUTOPILOT
 ARMED = 128
+SECOND = 1_000_000
 Entry = tuple[int, bytes]  # time of the log, us, and a packet
 
 
@@ -91,3 +97,23 @@ def tlog(rows: list[Entry]) -> bytes:
     """Return entries, in order of time, as a tlog."""
     ordered = sorted(rows, key=lambda row: row[0])
     return b"".join(struct.pack(">Q", time_us % 2**64) + raw for time_us, raw in ordered)
+
+
+def facts_of(rows: list[Entry], system: int | None = None) -> Facts:
+    flight = Flight(read_bytes(tlog(rows)), system)
+    return summarise(flight, run_checks(flight))
+
+
+def level(facts: Facts, name: str) -> str:
+    return next(str(each["level"]) for each in facts["checks"] if each["name"] == name)
+
+
+def every(
+    step_s: float, sender: Sender, make: Callable[[int], Any], end_s: float = 60
+) -> list[Entry]:
+    count = int(end_s / step_s)
+    return [(START_US + round(n * step_s * SECOND) + 3, sender.pack(make(n))) for n in range(count)]
+
+
+def beat(kind: int, autopilot: int, mode: int = 0) -> Any:
+    return mavlink.MAVLink_heartbeat_message(kind, autopilot, 0, mode, 4, 3)

@@ -9,25 +9,20 @@ import pytest
 from flightstack.logs import Log, read_bytes
 from flightstack.logs.checks import Level, run_checks
 from flightstack.logs.facts.summary import summarise
-from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.flight import Flight
 from tests.unit.flightstack.logs.kinds.made_vehicles import (
     PX4,
+    SECOND,
     Entry,
     Sender,
     Vehicle,
     entries,
+    facts_of,
     tlog,
 )
 from tests.unit.flightstack.logs.made_logs import START_US
 
 PLAIN = entries(Vehicle())
-SECOND = 1_000_000
-
-
-def facts_of(data: bytes) -> Facts:
-    flight = Flight(read_bytes(data))
-    return summarise(flight, run_checks(flight))
 
 
 def unsorted(rows: list[Entry]) -> bytes:
@@ -118,7 +113,7 @@ def test_line_ends_that_cannot_be_undone_are_told() -> None:
     whole = tlog(entries(Vehicle(boot_ms=0x0D0A00))).replace(b"\r", b"\n")
     log = read_bytes(whole)
     assert "carriage return" in log.damage.line_ends
-    assert "carriage return" in facts_of(whole)["damage"]["line_ends"]
+    assert "carriage return" in summarise(Flight(log), [])["damage"]["line_ends"]
 
 
 def in_bursts(rows: list[Entry], every_s: float) -> list[Entry]:
@@ -148,7 +143,7 @@ def test_a_restart_is_an_event_and_its_counter_no_loss() -> None:
     first = entries(Vehicle(armed_s=(5.0, 25.0), end_s=30.0, boot_ms=90_000))
     again = entries(Vehicle(armed_s=(5.0, 25.0), end_s=30.0))
     rows = [*first, *((time + 35 * SECOND, raw) for time, raw in again)]
-    facts = facts_of(tlog(rows))
+    facts = facts_of(rows)
     assert [round(each["at_s"]) for each in facts["restarts"]] == [35]
     assert [link["lost"] for link in facts["links"]] == [0]
     levels = {each["name"]: each["level"] for each in facts["checks"]}
