@@ -17,7 +17,7 @@ from flightstack.logs.dialect.message_types import (
     message_name,
     message_type,
 )
-from flightstack.logs.tlog.packets import Packets
+from flightstack.logs.tlog.packets import Packets, tally
 from flightstack.logs.tlog.source import ByteSource, mapped
 
 if TYPE_CHECKING:
@@ -70,9 +70,13 @@ class Log:
     @cached_property
     def counts(self) -> dict[str, int]:
         """How many messages of each type there are, UNKNOWN_<id> included, most first."""
-        ids, counts = np.unique(self.packets.msgid, return_counts=True)
-        pairs = sorted(zip(counts.tolist(), ids.tolist(), strict=True), key=lambda p: (-p[0], p[1]))
-        return {message_name(msgid): count for count, msgid in pairs}
+        pairs = sorted(self._held.items(), key=lambda pair: (-pair[1], pair[0]))
+        return {message_name(msgid): count for msgid, count in pairs}
+
+    @cached_property
+    def _held(self) -> dict[int, int]:
+        """How many messages of each id there are."""
+        return tally(self.packets.msgid)
 
     @cached_property
     def losses(self) -> "tuple[SourceLoss, ...]":
@@ -95,7 +99,11 @@ class Log:
         types = {message_id(name) for name in names} - self._tables.keys()
         if not types:
             return
-        rows = {msgid: np.flatnonzero(self.packets.msgid == msgid) for msgid in types}
+        none = np.empty(0, dtype=np.intp)
+        rows = {
+            msgid: np.flatnonzero(self.packets.msgid == msgid) if msgid in self._held else none
+            for msgid in types
+        }
         kinds = {msgid: _type_or_raw(msgid) for msgid in types}
         parts = {msgid: self.packets.take(rows[msgid]) for msgid in types}
         wanted = {m: (parts[m], kinds[m].size) for m in types if len(parts[m])}

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.table import Table
-from flightstack.logs.dialect.message_types import message_name
+from flightstack.logs.dialect.message_types import message_id
 from flightstack.logs.errors import UnknownNameError
+from flightstack.logs.tlog.packets import tally
 
 AUTOPILOT_GENERIC, AUTOPILOT_INVALID = 0, 8  # MAV_AUTOPILOT
 AUTOPILOT_COMPONENT = 1  # MAV_COMP_ID_AUTOPILOT1
@@ -118,25 +119,29 @@ def _role(sender: int, told: tuple[int, int] | None, *, tells_flight: bool) -> s
 def find_participants(log: Log) -> list[Participant]:
     """Return every sender of a log, in order of system and component."""
     told = _told(log)
-    senders, counts = np.unique(log.packets.sender, return_counts=True)
-    tells = _flight_tellers(log)
+    sender = log.packets.sender
+    tells = _flight_tellers(log, sender)
     return [
         Participant(
-            system=sender >> 8,
-            component=sender & 0xFF,
+            system=key >> 8,
+            component=key & 0xFF,
             messages=count,
-            autopilot=told[sender][0] if sender in told else None,
-            type=told[sender][1] if sender in told else None,
-            role=_role(sender, told.get(sender), tells_flight=sender in tells),
-            tells_flight=sender in tells,
+            autopilot=told[key][0] if key in told else None,
+            type=told[key][1] if key in told else None,
+            role=_role(key, told.get(key), tells_flight=key in tells),
+            tells_flight=key in tells,
         )
-        for sender, count in zip(senders.tolist(), counts.tolist(), strict=True)
+        for key, count in tally(sender).items()
     ]
 
 
-def _flight_tellers(log: Log) -> set[int]:
-    ids = [m for m in np.unique(log.packets.msgid).tolist() if message_name(m) in FLIGHT_DATA]
-    return set(np.unique(log.packets.sender[np.isin(log.packets.msgid, ids)]).tolist())
+def _flight_tellers(log: Log, sender: NDArray[np.uint16]) -> set[int]:
+    """Return the senders of a message of flight."""
+    found: set[int] = set()
+    for name in FLIGHT_DATA:
+        if name in log:
+            found.update(tally(sender[log.packets.msgid == message_id(name)]))
+    return found
 
 
 def autopilots(participants: list[Participant]) -> list[Participant]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.tlog.packets import LINK_BITS, Packets
+from flightstack.logs.tlog.packets import LINK_BITS, Packets, tally
 
 REORDERED = 128  # a step this far ahead in sequence numbers of 8 bits is a step back
 SUSPECT_SHARE = 0.02  # unexplained steps, beyond which other explanations are looked for
@@ -172,7 +172,7 @@ def find_losses(
     `restarts` tells for each system between which two packets its autopilot started again.
     """
     sender = packets.sender
-    rows = {key: np.flatnonzero(sender == key) for key in np.unique(sender).tolist()}
+    rows = {key: np.flatnonzero(sender == key) for key in tally(sender)}
     found: dict[int, tuple[str, _Steps]] = {}
     for system in sorted({key >> 8 for key in rows}):
         again = (restarts or {}).get(system, ())
