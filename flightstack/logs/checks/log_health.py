@@ -72,8 +72,8 @@ def clock(flight: Flight) -> Verdict:
 @check(
     "ending",
     title="How the log ends",
-    meaning="A log that ends in the air was cut off by a crash, a lost link, or a process "
-    "that died.",
+    meaning="A log that ends while the vehicle is under way, or armed, was cut off: by a crash, "
+    "a lost link, or a process that died.",
 )
 def how_it_ends(flight: Flight) -> Verdict:
     """Judge whether the log ends on the ground."""

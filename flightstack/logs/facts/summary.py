@@ -45,6 +45,7 @@ def flight_facts(flight: Flight) -> Facts:
         "tells_armed": flight.states.tells_armed,
         "outing": kind.noun,
         "under_way": kind.under_way,
+        "at_rest": kind.at_rest,
         "outings": len(spans),
         "outing_time_s": rounded(under_way_s),
         "armed_time_s": rounded(armed_s),
@@ -72,6 +73,21 @@ def battery_facts(flight: Flight) -> Facts | None:
         "min_v": rounded(volts.min() if len(volts) else None),
         "start_percent": percent[0] if percent else None,
         "end_percent": percent[-1] if percent else None,
+    }
+
+
+def gps_facts(flight: Flight) -> Facts | None:
+    """Return how well the GPS saw the sky; None where nothing was told."""
+    gps = flight.gps
+    if not len(gps):
+        return None
+    satellites, hdop = gps.satellites[gps.satellites >= 0], gps.hdop[gps.hdop >= 0]
+    return {
+        "fix": gps.usual_fix,
+        "min_satellites": int(satellites.min()) if len(satellites) else None,
+        "max_satellites": int(satellites.max()) if len(satellites) else None,
+        "best_hdop": rounded(hdop.min() if len(hdop) else None, 2),
+        "worst_hdop": rounded(hdop.max() if len(hdop) else None, 2),
     }
 
 
@@ -209,6 +225,7 @@ def summarise(flight: Flight, findings: list[Finding]) -> Facts:
         "course": course_facts(flight),
         "offboard": offboard_facts(flight),
         "battery": battery_facts(flight),
+        "gps": gps_facts(flight),
         "links": link_facts(flight),
         "counts": flight.log.counts,
         "texts": text_facts(flight),

@@ -32,6 +32,7 @@ from flightstack.logs.flight.decisions import (
 )
 from flightstack.logs.flight.motion import Motion, find_motion
 from flightstack.logs.flight.outings import OutingKind, find_outings, kind_of
+from flightstack.logs.flight.satellites import GpsQuality, find_gps
 from flightstack.logs.flight.setpoints import (
     Answers,
     VelocitySetpoints,
@@ -203,6 +204,11 @@ class Flight:
     def battery(self) -> Battery:
         """Voltage and charge over time, from whichever message tells them."""
         return find_battery(self.log, self._who)
+
+    @cached_property
+    def gps(self) -> GpsQuality:
+        """How well its GPS saw the sky."""
+        return find_gps(self.log, self._who)
 
     @cached_property
     def texts(self) -> list[LoggedText]:

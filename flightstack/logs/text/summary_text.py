@@ -83,6 +83,18 @@ def _flight(facts: Facts) -> Iterator[str]:
     battery = facts["battery"]
     if battery:
         yield f"  battery   {charge(battery, 'start')} to {charge(battery, 'end')}"
+    if facts["gps"]:
+        yield f"  GPS       {gps_said(facts['gps'])}"
+
+
+def gps_said(gps: Facts) -> str:
+    """Return how well a GPS saw the sky: 3D fix, 7 to 12 satellites, HDOP 0.8 to 1.4."""
+    parts = [str(gps["fix"])]
+    if gps["max_satellites"] is not None:
+        parts.append(f"{gps['min_satellites']} to {gps['max_satellites']} satellites")
+    if gps["worst_hdop"] is not None:
+        parts.append(f"HDOP {gps['best_hdop']:.1f} to {gps['worst_hdop']:.1f}")
+    return ", ".join(parts)
 
 
 def _course(facts: Facts) -> Iterator[str]:

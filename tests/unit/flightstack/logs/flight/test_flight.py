@@ -25,7 +25,9 @@ def flight() -> Flight:
 
 
 def test_modes_and_arming_stand_where_they_were(flight: Flight) -> None:
-    modes = [(span.label, flight.seconds(span.start_us)) for span in flight.modes]
+    modes: list[tuple[str, object]] = [
+        (span.label, flight.seconds(span.start_us)) for span in flight.modes
+    ]
     assert modes == [
         ("AUTO.LOITER", pytest.approx(0, abs=0.01)),
         ("AUTO.TAKEOFF", pytest.approx(2, abs=0.01)),
