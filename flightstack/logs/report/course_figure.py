@@ -9,6 +9,7 @@ from flightstack.logs.flight.motion import interpolated
 from flightstack.logs.report.plotting import (
     INK,
     MUTED,
+    RESPONSE,
     UNCERTAINTY_SCALE,
     Floats,
     Json,
@@ -81,7 +82,7 @@ def _path(flight: Flight) -> list[Json]:
     grey = {
         "type": "scatter",
         "mode": "lines",
-        "line": {"color": "#b8c1cb", "width": 1.5},
+        "line": {"color": "#b8c1cb" if len(flight.decisions) else RESPONSE, "width": 1.5},
         "hoverinfo": "skip",
     }
     return _both_views(motion.position_ned[::step], grey, "path")
