@@ -1,5 +1,6 @@
 """Judge the stamps of a log's records: which are sound, and where the writer's clock jumps."""
 
+from bisect import bisect_right
 from typing import NamedTuple
 
 import numpy as np
@@ -113,17 +114,37 @@ def _detours(times: Times) -> list[tuple[int, int]]:
     return found
 
 
+def _longest_run(times: Times) -> NDArray[np.intp]:
+    """Return the rows of the most times, in their order, of which none is before another."""
+    ends: list[int] = []  # the least time that a run of each length ends with
+    rows: list[int] = []  # where it stands
+    before = np.empty(len(times), dtype=np.intp)
+    for row, time_us in enumerate(times.tolist()):
+        place = bisect_right(ends, time_us)
+        before[row] = rows[place - 1] if place else -1
+        ends[place : place + 1] = [time_us]
+        rows[place : place + 1] = [row]
+    chosen = []
+    row = rows[-1] if rows else -1
+    while row >= 0:
+        chosen.append(row)
+        row = int(before[row])
+    return np.array(chosen[::-1], dtype=np.intp)
+
+
 def sound_stamps(stamps: Times) -> NDArray[np.bool_]:
     """Return which stamps are believed: times that fit those around them.
 
     A single one that stands apart, or a run of them after which the stamps go on as if it had not
-    been, is damaged. Where more than a tenth stands apart, the log has several clocks: all are kept
-    that are times at all.
+    been, is damaged. Where more than a tenth stands apart, the log has several clocks, or more is
+    damaged than not: the most that run on together are kept.
     """
     sound = is_plausible(stamps)
     rows = np.flatnonzero(sound)
     apart = spikes(stamps[rows])
     if len(apart) > MAX_DAMAGED_SHARE * len(rows):
+        sound[:] = False
+        sound[rows[_longest_run(stamps[rows])]] = True
         return sound
     sound[rows[apart]] = False
     rows = np.flatnonzero(sound)

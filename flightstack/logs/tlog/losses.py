@@ -53,7 +53,7 @@ class SourceLoss:
 
 EXPLANATIONS = {
     "alone": "",
-    "by link": "counted link by link",
+    "by link": "received over several links, each counted for itself",
     "shared": "counted together with other components of its system",
     "programs": "counted apart for several programs under this number",
     "unclear": "its numbers are not one counter's: no loss can be told",

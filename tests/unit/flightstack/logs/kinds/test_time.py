@@ -148,3 +148,24 @@ def test_a_restart_is_an_event_and_its_counter_no_loss() -> None:
     assert [link["lost"] for link in facts["links"]] == [0]
     levels = {each["name"]: each["level"] for each in facts["checks"]}
     assert levels["link_loss"] == "ok"
+
+
+def test_two_clocks_in_turns_are_one_axis() -> None:
+    rows = [
+        (time_us + (5 * SECOND if place % 3 == 1 else 0), raw)
+        for place, (time_us, raw) in enumerate(PLAIN)
+    ]
+    assert_a_minute(read_bytes(unsorted(rows)))
+
+
+def test_where_much_is_damaged_and_no_clock_is_told_time_still_runs_on() -> None:
+    rng = np.random.default_rng(7)
+    rows = [row for row in PLAIN if len(row[1]) == 21 or len(row[1]) > 40]  # no boot times
+    hit = rng.random(len(rows)) < 0.3
+    wrong = (rng.integers(1, 200, len(rows)) * 86_400 * SECOND).tolist()
+    data = unsorted(
+        [(time_us + wrong[n] * int(hit[n]), raw) for n, (time_us, raw) in enumerate(rows)]
+    )
+    log = read_bytes(data)
+    assert len(log) == len(rows) > 50
+    assert 50 * SECOND < int(log.time_us[-1] - log.time_us[0]) < 70 * SECOND
