@@ -10,7 +10,7 @@ from pymavlink.dialects.v20 import all as mavlink
 from flightstack.logs import read_bytes
 from flightstack.logs.facts.summary import summarise
 from flightstack.logs.flight.flight import Flight
-from tests.unit.flightstack.logs.kinds.made_vehicles import Sender, Vehicle, entries, tlog
+from scripts.make_logs import MadeSender, MadeVehicle, entries, tlog
 from tests.unit.flightstack.logs.made_logs import START_US, packet, record
 
 GREW = {  # messages with extensions, and their length before
@@ -38,7 +38,7 @@ def test_version_1_packets_of_messages_that_grew_stand_alone(name: str, between:
 
 def trimmed_late(message: Any, sequence: int) -> bytes:
     """Return a packet whose checksum was made before its trailing zeros were trimmed."""
-    sender = Sender(component=194)
+    sender = MadeSender(component=194)
     sender.link.seq = sequence
     kept = sender.pack(message)
     header, payload = kept[:10], kept[10:-2]
@@ -56,7 +56,7 @@ def trimmed_late(message: Any, sequence: int) -> bytes:
     ],
 )
 def test_checksums_of_untrimmed_packets_hold(message: Any) -> None:
-    rows = entries(Vehicle())
+    rows = entries(MadeVehicle())
     own = [(START_US + n * 400_000 + 7, trimmed_late(message, n % 256)) for n in range(140)]
     own += [(START_US + 9, own[0][1]), (START_US + 11, own[0][1])]  # one after another
     log = read_bytes(tlog(rows + own))
@@ -78,7 +78,7 @@ def test_a_known_message_under_another_definition_is_kept_raw(msgid: int, versio
         for n, payload in enumerate(payloads)
     ]
     rows = [(START_US + n * 900_000 + 5, raw) for n, raw in enumerate(strange)]
-    log = read_bytes(tlog(entries(Vehicle()) + rows))
+    log = read_bytes(tlog(entries(MadeVehicle()) + rows))
     assert not log.damage.regions
     assert log.payloads(f"UNKNOWN_{msgid}") == payloads
     assert mavlink.mavlink_map[msgid].msgname not in log
@@ -88,7 +88,7 @@ def test_a_known_message_under_another_definition_is_kept_raw(msgid: int, versio
 
 
 def test_damaged_packets_of_a_known_message_are_no_other_definition() -> None:
-    rows = entries(Vehicle())
+    rows = entries(MadeVehicle())
     rng = np.random.default_rng(2)
     hit = []
     for time_us, raw in rows:
@@ -100,7 +100,7 @@ def test_damaged_packets_of_a_known_message_are_no_other_definition() -> None:
 
 
 def test_what_was_read_well_is_still_read_well() -> None:
-    rows = entries(Vehicle())
+    rows = entries(MadeVehicle())
     zero_tail = read_bytes(tlog(rows) + bytes(4096))
     assert len(zero_tail) == len(rows)
     fixed_length = b"".join(record(time_us, raw.ljust(263, b"\0")) for time_us, raw in rows)

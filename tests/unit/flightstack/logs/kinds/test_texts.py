@@ -11,7 +11,7 @@ from pymavlink.dialects.v20 import all as mavlink
 from flightstack.logs import read_bytes
 from flightstack.logs.cli import main
 from flightstack.logs.flight.flight import Flight
-from tests.unit.flightstack.logs.kinds.made_vehicles import Entry, Sender, Vehicle, entries, tlog
+from scripts.make_logs import Entry, MadeSender, MadeVehicle, entries, tlog
 from tests.unit.flightstack.logs.made_logs import START_US
 
 RED = b"caf\xe9 \x1b[31mred\x1b[0m \x9b1m"
@@ -22,7 +22,7 @@ def said(text: bytes, text_id: int = 0, chunk: int = 0) -> Any:
 
 
 def texts_of(*messages: Any) -> list[str]:
-    sender = Sender()
+    sender = MadeSender()
     rows = [(START_US + n * 1000, sender.pack(message)) for n, message in enumerate(messages)]
     return [text.text for text in Flight(read_bytes(tlog(rows))).texts]
 
@@ -48,14 +48,14 @@ def test_a_lost_chunk_is_shown(chunks: dict[int, bytes], shown: str) -> None:
 
 
 def hostile() -> list[Entry]:
-    sender = Sender()
+    sender = MadeSender()
     names = (b"\x1b[2JP", b"=1+1", b"@SUM(A1)")
     rows = [(START_US + 5, sender.pack(said(RED))), (START_US + 6, sender.pack(said(b"a\nb")))]
     for n, name in enumerate(names):
         message = mavlink.MAVLink_param_value_message(name, n, 9, 3, n)
         rows.append((START_US + 10 + n, sender.pack(message)))
         rows.append((START_US + 20 + n, sender.pack(said(name))))
-    return entries(Vehicle(end_s=5)) + rows
+    return entries(MadeVehicle(end_s=5)) + rows
 
 
 @pytest.mark.parametrize("command", ["summary", "texts", "params", "dump", "check", "messages"])
@@ -93,7 +93,7 @@ def test_a_log_without_sane_stamps_is_exported(
     kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "log.raw"
-    raw = [packet for _, packet in entries(Vehicle(end_s=5))]
+    raw = [packet for _, packet in entries(MadeVehicle(end_s=5))]
     path.write_bytes((b"\xff" * 40).join([b"".join(raw[:20]), b"".join(raw[20:])]))
     output = tmp_path / f"out.{kind}"
     assert main(["export", str(path), "--format", kind, "-o", str(output), "--json"]) == 0

@@ -10,19 +10,11 @@ from flightstack.logs import Log, read_bytes
 from flightstack.logs.checks import Level, run_checks
 from flightstack.logs.facts.summary import summarise
 from flightstack.logs.flight.flight import Flight
-from tests.unit.flightstack.logs.kinds.made_vehicles import (
-    PX4,
-    SECOND,
-    Entry,
-    Sender,
-    Vehicle,
-    entries,
-    facts_of,
-    tlog,
-)
+from scripts.make_logs import PX4, SECOND, Entry, MadeSender, MadeVehicle, entries, tlog
+from tests.unit.flightstack.logs.kinds.made_vehicles import facts_of
 from tests.unit.flightstack.logs.made_logs import START_US
 
-PLAIN = entries(Vehicle())
+PLAIN = entries(MadeVehicle())
 
 
 def unsorted(rows: list[Entry]) -> bytes:
@@ -44,7 +36,7 @@ def assert_a_minute(log: Log) -> None:
 def test_a_stream_without_stamps_takes_none_from_what_lies_between(
     noise: bytes, version: int
 ) -> None:
-    rows = entries(Vehicle(), Sender(version=version))
+    rows = entries(MadeVehicle(), MadeSender(version=version))
     raw = [packet for _, packet in rows]
     for place in (300, 301, 700):
         raw[place] = noise + raw[place]
@@ -100,7 +92,7 @@ def test_a_clock_set_while_logging_changes_no_duration(before: int) -> None:
 
 
 def test_line_ends_converted_in_the_file_are_undone() -> None:
-    rows = [(time + 0x0A0A, raw) for time, raw in entries(Vehicle(boot_ms=0x0A0A00))]
+    rows = [(time + 0x0A0A, raw) for time, raw in entries(MadeVehicle(boot_ms=0x0A0A00))]
     whole = tlog(rows)
     log = read_bytes(whole.replace(b"\n", b"\r\n"))
     assert log.counts == read_bytes(whole).counts
@@ -110,7 +102,7 @@ def test_line_ends_converted_in_the_file_are_undone() -> None:
 
 
 def test_line_ends_that_cannot_be_undone_are_told() -> None:
-    whole = tlog(entries(Vehicle(boot_ms=0x0D0A00))).replace(b"\r", b"\n")
+    whole = tlog(entries(MadeVehicle(boot_ms=0x0D0A00))).replace(b"\r", b"\n")
     log = read_bytes(whole)
     assert "carriage return" in log.damage.line_ends
     assert "carriage return" in summarise(Flight(log), [])["damage"]["line_ends"]
@@ -123,7 +115,7 @@ def in_bursts(rows: list[Entry], every_s: float) -> list[Entry]:
 
 @pytest.mark.parametrize("every_s", [0.7, 2.5])
 def test_what_comes_in_bursts_is_no_jump_of_the_estimate(every_s: float) -> None:
-    rows = entries(Vehicle(type=1, speed_m_s=25.0, armed_s=(0.0, 60.0), down=lambda _t: -50.0))
+    rows = entries(MadeVehicle(type=1, speed_m_s=25.0, armed_s=(0.0, 60.0), down=lambda _t: -50.0))
     flight = Flight(read_bytes(tlog(in_bursts(rows, every_s))))
     found = {finding.name: finding for finding in run_checks(flight)}
     assert found["estimate_jump"].level is Level.OK
@@ -135,13 +127,13 @@ def test_a_shaking_vehicle_shakes_as_fast_whatever_the_link_does() -> None:
         flight = Flight(read_bytes(tlog(rows)))
         return {each.name: each.level for each in run_checks(flight)}["oscillation"]
 
-    shaking = entries(Vehicle(autopilot=PX4, rate_hz=40))
+    shaking = entries(MadeVehicle(autopilot=PX4, rate_hz=40))
     assert levels(shaking) is levels(in_bursts(shaking, 1.0))
 
 
 def test_a_restart_is_an_event_and_its_counter_no_loss() -> None:
-    first = entries(Vehicle(armed_s=(5.0, 25.0), end_s=30.0, boot_ms=90_000))
-    again = entries(Vehicle(armed_s=(5.0, 25.0), end_s=30.0))
+    first = entries(MadeVehicle(armed_s=(5.0, 25.0), end_s=30.0, boot_ms=90_000))
+    again = entries(MadeVehicle(armed_s=(5.0, 25.0), end_s=30.0))
     rows = [*first, *((time + 35 * SECOND, raw) for time, raw in again)]
     facts = facts_of(rows)
     assert [round(each["at_s"]) for each in facts["restarts"]] == [35]
