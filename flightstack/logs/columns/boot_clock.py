@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 
 from flightstack.logs.columns.payloads import gather
 from flightstack.logs.columns.table import Table
-from flightstack.logs.dialect.message_types import MessageType, message_type
+from flightstack.logs.dialect.message_types import MessageType, message_id, message_type
 from flightstack.logs.tlog.clock import LATEST_US
 from flightstack.logs.tlog.packets import Packets
 from flightstack.logs.tlog.source import ByteSource
 
 CLOCK_FIELDS = ("time_boot_ms", "time_usec", "time_us", "timestamp")
 CLOCKED = ("ATTITUDE", "LOCAL_POSITION_NED", "GLOBAL_POSITION_INT", "SYSTEM_TIME")  # since boot
+MAX_CLOCKED = 3  # messages that are looked at, where none of those is there
 MICROSECONDS = {"ms": 1000, "us": 1}
 RESTART_US = 1_000_000  # a step back of more than this: the autopilot started again
 WRAP_US = 1000 << 32  # where time_boot_ms begins anew after 49 days
@@ -85,6 +86,18 @@ def table_clock(table: Table) -> BootClock | None:
     """Return the clock in the messages of one type and one sender; None where they carry none."""
     told = told_us(table)
     return None if told is None else clock_of(table.row, told)
+
+
+def clocked_names(names: Iterable[str]) -> list[str]:
+    """Return which of these messages, the most frequent first, tell a clock since boot best."""
+    held = list(names)
+    usual = [name for name in CLOCKED if name in held]
+    return usual or [name for name in held if _tells_clock(name)][:MAX_CLOCKED]
+
+
+def _tells_clock(name: str) -> bool:
+    known = message_type(message_id(name))
+    return known is not None and clock_field(known) is not None
 
 
 def restart_rows(tables: Iterable[Table]) -> dict[int, list[tuple[int, int]]]:

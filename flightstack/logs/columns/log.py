@@ -81,10 +81,10 @@ class Log:
     @cached_property
     def losses(self) -> "tuple[SourceLoss, ...]":
         """What the sequence numbers of every sender tell about the link."""
-        from flightstack.logs.columns.boot_clock import CLOCKED, restart_rows  # noqa: PLC0415
+        from flightstack.logs.columns.boot_clock import clocked_names, restart_rows  # noqa: PLC0415
         from flightstack.logs.tlog.losses import find_losses  # noqa: PLC0415  # few ask for it
 
-        tables = [self[name] for name in CLOCKED if name in self]
+        tables = [self[name] for name in clocked_names(self.counts)]
         return find_losses(self.packets, restart_rows(tables))
 
     @cached_property

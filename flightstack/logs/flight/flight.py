@@ -5,7 +5,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.columns.boot_clock import CLOCKED
+from flightstack.logs.columns.boot_clock import clocked_names
 from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.senders import (
     AUTOPILOT_INVALID,
@@ -124,7 +124,7 @@ class Flight:
     @cached_property
     def restarts(self) -> list[int]:
         """When the autopilot had started again, by its own clock."""
-        tables = [self.of_vehicle(name) for name in CLOCKED if name in self.log]
+        tables = [self.of_vehicle(name) for name in clocked_names(self.log.counts)]
         clocked = max(tables, key=len, default=None)
         return [] if clocked is None else restarts_of(clocked).tolist()
 

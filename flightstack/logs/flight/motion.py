@@ -115,7 +115,7 @@ def _global(log: Log, vehicle: LoggedVehicle) -> Motion:
     )
 
 
-def _high_latency(log: Log, vehicle: LoggedVehicle) -> Motion:
+def _high_latency_2(log: Log, vehicle: LoggedVehicle) -> Motion:
     """Return the motion of a vehicle on a narrow link; its height is above sea level."""
     table = vehicle.sent(log, "HIGH_LATENCY2")
     north, east = _from_degrees(table["latitude"] * 1e-7, table["longitude"] * 1e-7)
@@ -131,9 +131,25 @@ def _high_latency(log: Log, vehicle: LoggedVehicle) -> Motion:
     )
 
 
+def _high_latency_1(log: Log, vehicle: LoggedVehicle) -> Motion:
+    """Return the same from the older message."""
+    table = vehicle.sent(log, "HIGH_LATENCY")
+    north, east = _from_degrees(table["latitude"] * 1e-7, table["longitude"] * 1e-7)
+    heading = np.radians(table["heading"] * 0.01)
+    speed = table["groundspeed"].astype(np.float64)
+    velocity = [np.cos(heading) * speed, np.sin(heading) * speed, table["climb_rate"] * -1.0]
+    return Motion(
+        source=table.name,
+        time_us=table.time_us,
+        measured_us=table.time_us,
+        position_ned=np.stack([north, east, table["altitude_amsl"] * -1.0], axis=1),
+        velocity_ned=np.stack(velocity, axis=1),
+    )
+
+
 def find_motion(log: Log, vehicle: LoggedVehicle) -> Motion:
     """Return the vehicle's motion, local if logged, else from the global position."""
-    for found in (_local, _global, _high_latency):
+    for found in (_local, _global, _high_latency_2, _high_latency_1):
         motion = found(log, vehicle)
         known = np.asarray(np.isfinite(motion.position_ned).all(axis=1), dtype=np.bool_)
         if known.any():

@@ -15,6 +15,7 @@ from flightstack.logs.flight.vehicle import Interval, LoggedVehicle, intervals
 
 ALOFT = (2, 3, 4)  # MAV_LANDED_STATE: in the air, taking off, landing
 REST_S = 2.0  # a shorter stop is part of what goes on
+MIN_OUTING_S = 2.0  # a shorter one, where none is told, is noise
 SMOOTH_S = 1.0  # noise is taken out over this long
 MAX_SMOOTHED = 25  # samples
 NOISE_SIGMAS = 4.0
@@ -130,7 +131,8 @@ def _while_armed(motion: Motion, kind: OutingKind, armed: Interval) -> list[Inte
     moving = _latched(_smoothed(measure, count), start, start / 2)
     labels = np.where(moving, kind.noun, "").tolist()
     spans = intervals(part.time_us, labels, armed.end_us, is_open=armed.is_open)
-    return _joined([span for span in spans if span.label], REST_S)
+    joined = _joined([span for span in spans if span.label], REST_S)
+    return [span for span in joined if span.is_open or span.duration_s >= MIN_OUTING_S]
 
 
 def find_outings(

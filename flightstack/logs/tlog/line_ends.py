@@ -14,7 +14,8 @@ from flightstack.logs.tlog.packets import TIMESTAMP, Packets
 from flightstack.logs.tlog.source import ByteSource, windows
 
 RETURN, FEED = 0x0D, 0x0A
-MIN_ENDS = 12  # fewer pairs stand in a file by chance
+MIN_PAIRS = 3  # where every feed follows a return: fewer may do so by chance
+MIN_ENDS = 12  # of one kind, to find it strange that there is none of the other
 MIN_SHARE = 0.98  # of the line feeds that follow a return
 MIN_BYTES = 8192  # in which a byte that occurs nowhere is strange
 
@@ -82,7 +83,7 @@ def restored_line_ends(source: ByteSource, packets: Packets) -> RestoredSource |
     if isinstance(source, RestoredSource) or not _has_gaps(source, packets):
         return None
     ends = _count(source)
-    if ends.pairs < max(MIN_ENDS, MIN_SHARE * ends.feeds):
+    if ends.pairs < max(MIN_PAIRS, MIN_SHARE * ends.feeds):
         return None
     data = np.concatenate(list(_without_returns(source)))
     return RestoredSource(data, source.name, source.size - len(data))

@@ -8,6 +8,7 @@ believed. Where none leaves little, nothing is said of a loss.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ UNCLEAR_SHARE = 0.2  # steps back or repeated, beyond which the numbers are not 
 MAX_PROGRAMS = 4  # under one number
 FAR_STEP = 24  # a number this far ahead is rather another program's
 MIN_PROGRAM = 8  # packets, to count as a program
+MAX_SUSPECTS = 6  # senders of a system that are tried two by two
 MAX_FOLLOWED = 20_000  # packets of a sender that are told apart one by one
 
 Bytes = NDArray[np.uint8]
@@ -141,27 +143,45 @@ def _explained(packets: Packets, rows: Rows, restarts: Restarts) -> tuple[str, _
     return name, best
 
 
-def _sharing(
-    packets: Packets, senders: Mapping[int, Rows], suspects: list[int], restarts: Restarts
+def _together(
+    packets: Packets, senders: Mapping[int, Rows], group: Sequence[int], restarts: Restarts
 ) -> dict[int, _Steps]:
-    """Return the senders of one system that share one counter, each with its part of the loss.
-
-    Suspects are senders whose own numbers have many gaps; those without gaps count by themselves.
-    """
-    if len(suspects) < 2:
-        return {}
-    together = np.sort(np.concatenate([senders[sender] for sender in suspects]))
-    alone = sum(
-        (_steps(packets.sequence, senders[sender], restarts) for sender in suspects), _Steps()
-    )
+    """Return for senders that share one counter each one's part of the loss; {} if they do not."""
+    together = np.sort(np.concatenate([senders[sender] for sender in group]))
+    alone = sum((_steps(packets.sequence, senders[each], restarts) for each in group), _Steps())
     shared = _steps(packets.sequence, together, restarts)
     if shared.unexplained >= BETTER * alone.unexplained:
         return {}
-    parts = {sender: len(senders[sender]) / len(together) for sender in suspects}
+    parts = {sender: len(senders[sender]) / len(together) for sender in group}
     return {
         sender: _Steps(*(round(n * part) for n in (shared.lost, shared.repeated, shared.reordered)))
         for sender, part in parts.items()
     }
+
+
+def _sharing(
+    packets: Packets, senders: Mapping[int, Rows], suspects: list[int], restarts: Restarts
+) -> dict[int, _Steps]:
+    """Return the senders of one system that share a counter, each with its part of the loss.
+
+    Suspects are senders whose own numbers have many gaps; those without gaps count by themselves.
+    Where not all of them share one, two of them may.
+    """
+    if len(suspects) < 2:
+        return {}
+    every = _together(packets, senders, suspects, restarts)
+    if every or len(suspects) > MAX_SUSPECTS:
+        return every
+    found: dict[int, _Steps] = {}
+    pairs = [_together(packets, senders, pair, restarts) for pair in combinations(suspects, 2)]
+    for pair in sorted(filter(None, pairs), key=_left):
+        if not any(sender in found for sender in pair):
+            found |= pair
+    return found
+
+
+def _left(parts: Mapping[int, _Steps]) -> int:
+    return sum(steps.unexplained for steps in parts.values())
 
 
 def find_losses(

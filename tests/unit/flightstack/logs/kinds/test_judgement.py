@@ -169,3 +169,37 @@ def test_links_are_judged_by_counters_that_are_one_links() -> None:
 
     lossy = [row for n, row in enumerate(entries(MadeVehicle())) if n % 10 != 3]
     assert level(facts_of(lossy), "link_loss") == "error"
+
+
+def test_two_that_share_a_counter_are_told_from_a_third_that_loses() -> None:
+    shared, lossy = MadeSender(1, 194), MadeSender(1, 60)
+    lossy.link.seq = 100
+    rows = []
+    for n in range(400):
+        shared.link.srcComponent = 220 if n % 5 else 194
+        rows.append((START_US + n * 90_000, shared.pack(beat(COMPANION_TYPE, INVALID))))
+        raw = lossy.pack(beat(COMPANION_TYPE, INVALID))
+        if n % 5 != 2:
+            rows.append((START_US + n * 90_000 + 7, raw))
+    facts = facts_of(entries(MadeVehicle()) + rows)
+    lost = {each["component"]: each["lost"] for each in facts["links"]}
+    assert lost[194] == lost[220] == 0
+    assert 70 < lost[60] < 90
+
+
+def test_a_restart_is_seen_in_any_message_with_a_clock() -> None:
+    def flown(boot_s: int, at_s: int) -> list[Entry]:
+        sender = MadeSender()
+        rows = []
+        for n in range(300):
+            imu = mavlink.MAVLink_raw_imu_message((boot_s * 10 + n) * 100_000, *([1] * 9))
+            rows.append((START_US + at_s * SECOND + n * 100_000, sender.pack(imu)))
+            if n % 10 == 0:
+                rows.append(
+                    (START_US + at_s * SECOND + n * 100_000, sender.pack(beat(PLANE, ARDUPILOT)))
+                )
+        return rows
+
+    facts = facts_of(flown(900, 0) + flown(2, 40))
+    assert [round(each["at_s"]) for each in facts["restarts"]] == [40]
+    assert level(facts, "link_loss") == "ok"
