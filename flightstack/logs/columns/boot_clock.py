@@ -10,7 +10,7 @@ from flightstack.logs.columns.payloads import gather
 from flightstack.logs.columns.table import Table
 from flightstack.logs.dialect.message_types import MessageType, message_id, message_type
 from flightstack.logs.tlog.clock import LATEST_US
-from flightstack.logs.tlog.packets import Packets
+from flightstack.logs.tlog.packets import Packets, tally
 from flightstack.logs.tlog.source import ByteSource
 
 CLOCK_FIELDS = ("time_boot_ms", "time_usec", "time_us", "timestamp")
@@ -100,16 +100,23 @@ def _tells_clock(name: str) -> bool:
     return known is not None and clock_field(known) is not None
 
 
-def restart_rows(tables: Iterable[Table]) -> dict[int, list[tuple[int, int]]]:
-    """Return for each system when an autopilot of it started again: between which two packets."""
+def restart_rows(tables: Iterable[Table], systems: set[int]) -> dict[int, list[tuple[int, int]]]:
+    """Return for each system when an autopilot of it started again: between which two packets.
+
+    Tables are asked for one by one, until the clock of each of `systems` has been read.
+    """
     found: dict[int, list[tuple[int, int]]] = {}
+    left = set(systems)
     for table in tables:
-        for sender in np.unique(table.packets.sender).tolist():
+        for sender in tally(table.packets.sender):
+            left.discard(sender >> 8)
             clock = table_clock(table.take(table.packets.sender == sender))
             if clock is not None and len(clock.restarts):
                 before, after = clock.rows[clock.restarts - 1], clock.rows[clock.restarts]
                 places = zip(before.tolist(), after.tolist(), strict=True)
                 found.setdefault(sender >> 8, list(places))
+        if not left:
+            break
     return found
 
 

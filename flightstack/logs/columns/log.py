@@ -19,6 +19,7 @@ from flightstack.logs.dialect.message_types import (
 )
 from flightstack.logs.tlog.packets import Packets, tally
 from flightstack.logs.tlog.source import ByteSource, mapped
+from flightstack.mavlink_numbers import AUTOPILOT_COMPONENT
 
 if TYPE_CHECKING:
     from flightstack.logs.tlog.damage import Damage
@@ -84,8 +85,9 @@ class Log:
         from flightstack.logs.columns.boot_clock import clocked_names, restart_rows  # noqa: PLC0415
         from flightstack.logs.tlog.losses import find_losses  # noqa: PLC0415  # few ask for it
 
-        tables = [self[name] for name in clocked_names(self.counts)]
-        return find_losses(self.packets, restart_rows(tables))
+        tables = (self[name] for name in clocked_names(self.counts))
+        systems = set(tally(self.packets.system[self.packets.component == AUTOPILOT_COMPONENT]))
+        return find_losses(self.packets, restart_rows(tables, systems))
 
     @cached_property
     def damage(self) -> "Damage":

@@ -14,9 +14,9 @@ from flightstack.logs.columns.table import Table
 from flightstack.logs.dialect.message_types import message_id
 from flightstack.logs.errors import UnknownNameError
 from flightstack.logs.tlog.packets import tally
+from flightstack.mavlink_numbers import AUTOPILOT_COMPONENT
 
 AUTOPILOT_GENERIC, AUTOPILOT_INVALID = 0, 8  # MAV_AUTOPILOT
-AUTOPILOT_COMPONENT = 1  # MAV_COMP_ID_AUTOPILOT1
 GROUND_COMPONENTS = (190, 195)  # MAV_COMP_ID_MISSIONPLANNER and the path planner beside it
 GROUND_SYSTEMS = 240  # ground stations number themselves from here on
 DEVICES = {  # MAV_TYPE of what is no vehicle

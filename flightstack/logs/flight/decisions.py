@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs.columns.log import Log
-from flightstack.logs.columns.senders import AUTOPILOT_COMPONENT
+from flightstack.mavlink_numbers import AUTOPILOT_COMPONENT
 
 VELOCITIES = ("vx", "vy", "vz", "yaw rate")  # body frame: forward, right, down; clockwise
 UNITS = ("m/s", "m/s", "m/s", "rad/s")

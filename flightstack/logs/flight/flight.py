@@ -61,7 +61,6 @@ SUMMARY_MESSAGES = (
     "CAMERA_TRIGGER",
     "DEBUG_FLOAT_ARRAY",
     "EXTENDED_SYS_STATE",
-    "GLOBAL_POSITION_INT",
     "HEARTBEAT",
     "HIGH_LATENCY2",
     "LOCAL_POSITION_NED",
@@ -74,7 +73,6 @@ SUMMARY_MESSAGES = (
     "SET_POSITION_TARGET_GLOBAL_INT",
     "SET_POSITION_TARGET_LOCAL_NED",
     "STATUSTEXT",
-    "SYSTEM_TIME",
     "SYS_STATUS",
 )
 
@@ -124,8 +122,8 @@ class Flight:
     @cached_property
     def restarts(self) -> list[int]:
         """When the autopilot had started again, by its own clock."""
-        tables = [self.of_vehicle(name) for name in clocked_names(self.log.counts)]
-        clocked = max(tables, key=len, default=None)
+        tables = (self.of_vehicle(name) for name in clocked_names(self.log.counts))
+        clocked = next((table for table in tables if len(table)), None)
         return [] if clocked is None else restarts_of(clocked).tolist()
 
     @cached_property
