@@ -71,6 +71,18 @@ def test_no_control_character_reaches_the_terminal(
     assert all(each.isprintable() or each == "\n" for each in shown)
 
 
+def test_names_that_differ_are_no_code_either(
+    tmp_path: Path, capfdbinary: pytest.CaptureFixture[bytes]
+) -> None:
+    one, other = tmp_path / "one.tlog", tmp_path / "other\x1b[31m.tlog"
+    one.write_bytes(tlog(hostile()))
+    other.write_bytes(tlog(entries(MadeVehicle(end_s=5))))
+    assert main(["compare", str(one), str(other)]) == 0
+    out, _ = capfdbinary.readouterr()
+    assert b"[2JP" in out
+    assert b"\x1b" not in out
+
+
 def test_no_text_is_a_formula_to_a_spreadsheet(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
