@@ -11,6 +11,7 @@ from flightstack.logs.commands.opening import open_flight
 from flightstack.logs.facts.summary import summarise
 from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.parameters import read_parameters
+from flightstack.logs.printable import printable
 
 SKIPPED = ("log", "texts", "modes", "armed", "links", "damage", "checks", "failsafes", "counts")
 
@@ -54,7 +55,7 @@ def side_by_side(one: Facts, other: Facts) -> list[Facts]:
 
 
 def _said(value: Any) -> str:
-    return "-" if value is None else str(value)
+    return "-" if value is None else printable(str(value))
 
 
 def run(arguments: Namespace) -> int:
@@ -68,9 +69,11 @@ def run(arguments: Namespace) -> int:
         facts = {"a": str(arguments.log), "b": str(arguments.other)}
         print(json.dumps({**facts, "facts": rows, "parameters": changed}))
         return 0
-    print(f"A  {arguments.log}\nB  {arguments.other}")
+    print(f"A  {printable(str(arguments.log))}\nB  {printable(str(arguments.other))}")
     for row in [*rows, *changed]:
         mark = " " if row["a"] == row["b"] else "*"
         step = f"  ({row['difference']:+g})" if row["difference"] else ""
-        print(f"{mark} {row['name']:42} {_said(row['a']):>22} {_said(row['b']):>22}{step}")
+        print(
+            f"{mark} {printable(row['name']):42} {_said(row['a']):>22} {_said(row['b']):>22}{step}"
+        )
     return 0

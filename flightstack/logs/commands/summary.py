@@ -10,6 +10,7 @@ from flightstack.logs.commands.opening import logs_in, open_flight, use_checks
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.facts.summary import summarise
 from flightstack.logs.facts.values import Facts
+from flightstack.logs.printable import printable
 from flightstack.logs.text.summary_text import one_line, page
 
 
@@ -42,7 +43,7 @@ def run(arguments: Namespace) -> int:
             exit_code = error.exit_code
             if arguments.json:
                 print(json.dumps({"log": str(log), "error": str(error)}))
-            print(f"error: {error}", file=sys.stderr)
+            print(f"error: {printable(str(error))}", file=sys.stderr)
         else:
             _say(facts, as_json=arguments.json, in_a_row=True)
     return exit_code
