@@ -23,7 +23,7 @@ Times = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Battery:
+class LoggedBattery:
     """Voltage and charge, each at its own times; empty where not told."""
 
     voltage_at_us: Times
@@ -56,7 +56,7 @@ def _voltage(status: Table, battery: Table) -> tuple[Times, Floats]:
     return battery.time_us[told], volts[told]
 
 
-def find_battery(log: Log, vehicle: LoggedVehicle) -> Battery:
+def find_battery(log: Log, vehicle: LoggedVehicle) -> LoggedBattery:
     """Return what is told: each by the first of CHARGE_FIELDS' messages that knows it."""
     tables = {name: vehicle.sent(log, name) for name in CHARGE_FIELDS}
     tables["BATTERY_STATUS"] = _first_battery(tables["BATTERY_STATUS"])
@@ -68,6 +68,6 @@ def find_battery(log: Log, vehicle: LoggedVehicle) -> Battery:
         if told.any():
             charge_at_us, percent = tables[name].time_us[told], charge[told]
             break
-    return Battery(
+    return LoggedBattery(
         voltage_at_us=voltage_at_us, volts=volts, charge_at_us=charge_at_us, percent=percent
     )

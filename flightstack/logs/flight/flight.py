@@ -16,7 +16,7 @@ from flightstack.logs.columns.senders import (
 )
 from flightstack.logs.columns.table import Table
 from flightstack.logs.columns.time_axis import restarts_of
-from flightstack.logs.flight.battery import Battery, find_battery
+from flightstack.logs.flight.battery import LoggedBattery, find_battery
 from flightstack.logs.flight.course import (
     CourseEvent,
     CourseGate,
@@ -199,7 +199,7 @@ class Flight:
         return f"{kind.done} and disarmed" if self.outings else kind.never
 
     @cached_property
-    def battery(self) -> Battery:
+    def battery(self) -> LoggedBattery:
         """Voltage and charge over time, from whichever message tells them."""
         return find_battery(self.log, self._who)
 
