@@ -7,6 +7,7 @@ from contextlib import ExitStack, closing
 
 from sitl.autopilot.parameters import Parameters, ParameterType
 from sitl.errors import UsageError
+from sitl.flown_vehicle import SimulationConfig
 from sitl.mavlink.components.camera_component import CameraFacts
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.links.link import Guard, Link
@@ -20,7 +21,7 @@ from sitl.process.streams.video import VideoSender
 from sitl.process.vehicle_folder import vehicle_folder
 from sitl.sensors.camera.camera import FIELD_OF_VIEW_DEG, SIZE_PX
 from sitl.sensors.camera.feed import CAMERA_RATE_HZ
-from sitl.simulation import Simulation, SimulationConfig
+from sitl.simulation import Simulation
 
 
 def assemble(
