@@ -19,6 +19,12 @@ HEADER_BYTES, CHECKSUM_BYTES = 10, 2  # of MAVLink 2
 ATTITUDE: int = mavlink.MAVLINK_MSG_ID_ATTITUDE
 
 
+def relay_ports(instance: int) -> LinkConfig:
+    """Say where the PX4 of an instance sends to, and where it listens."""
+    local = min(RELAY_PORT + instance, RELAY_PORT_LAST)
+    return LinkConfig(name="px4", local_port=local, remote_port=PX4_PORT + instance)
+
+
 class CompanionLink(UdpLink):
     """The companion's side: a link of our components, which passes on what comes in."""
 
@@ -43,11 +49,10 @@ class CompanionLink(UdpLink):
 class Px4Side:
     """The socket to which PX4 sends, as it would to a companion."""
 
-    def __init__(self, instance: int) -> None:
-        """Bind the port of the companion of an instance; raises LinkError if it is taken."""
-        port = min(RELAY_PORT + instance, RELAY_PORT_LAST)
-        self._socket = bind(LinkConfig(name="px4", local_port=port, remote_port=0))
-        self._px4 = (LOOPBACK, PX4_PORT + instance)
+    def __init__(self, ports: LinkConfig) -> None:
+        """Bind the companion's port, PX4 being the remote; raises LinkError if it is taken."""
+        self._socket = bind(ports)
+        self._px4 = (LOOPBACK, ports.remote_port)
         self.link: CompanionLink | None = None  # where it goes on
         self.attitude_us = -1  # PX4's clock: of the newest ATTITUDE, -1 before the first
 
@@ -58,6 +63,11 @@ class Px4Side:
     def fileno(self) -> int:
         """For a selector."""
         return self._socket.fileno()
+
+    @property
+    def local_port(self) -> int:
+        """The bound port."""
+        return int(self._socket.getsockname()[1])
 
     def send(self, datagram: bytes) -> None:
         """Send to PX4; where there is none, it is lost."""
@@ -79,15 +89,16 @@ class Px4Side:
         self.attitude_us = -1
 
     def _note_attitude(self, datagram: bytes) -> None:
-        for message_id, start in _packets(datagram):
+        for message_id, payload in _packets(datagram):
             if message_id == ATTITUDE:
-                time_boot_ms = int.from_bytes(datagram[start : start + 4], "little")
-                self.attitude_us = time_boot_ms * 1000
+                self.attitude_us = int.from_bytes(payload[:4], "little") * 1000  # time_boot_ms
 
 
-def _packets(datagram: bytes) -> Iterator[tuple[int, int]]:
-    """Walk through MAVLink 2 packets: each one's message id, and where its payload begins."""
+def _packets(datagram: bytes) -> Iterator[tuple[int, bytes]]:
+    """Walk through unsigned MAVLink 2 packets: each one's message id and payload."""
     start = 0
     while len(datagram) - start > HEADER_BYTES and datagram[start] == MAGIC_V2:
-        yield int.from_bytes(datagram[start + 7 : start + 10], "little"), start + HEADER_BYTES
-        start += HEADER_BYTES + datagram[start + 1] + CHECKSUM_BYTES
+        begin = start + HEADER_BYTES
+        end = begin + datagram[start + 1]
+        yield int.from_bytes(datagram[start + 7 : begin], "little"), datagram[begin:end]
+        start = end + CHECKSUM_BYTES

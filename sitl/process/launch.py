@@ -62,13 +62,13 @@ def launch(options: Options) -> int:
 
 def _launch_px4(options: Options, px4: Px4Options, unix_epoch_us: int, stack: ExitStack) -> int:
     from sitl.hil.connection import Px4Connection  # noqa: PLC0415  only a real PX4 needs them
-    from sitl.hil.relay import CompanionLink, Px4Side  # noqa: PLC0415
+    from sitl.hil.relay import CompanionLink, Px4Side, relay_ports  # noqa: PLC0415
 
     guard = Guard()
     connection = stack.enter_context(closing(Px4Connection(px4.hil_address)))
     relay = None
     if px4.has_relay:
-        px4_side = stack.enter_context(closing(Px4Side(options.instance)))
+        px4_side = stack.enter_context(closing(Px4Side(relay_ports(options.instance))))
         local, remote = options.api_ports
         config = LinkConfig(name="relay", local_port=local, remote_port=remote)
         link = CompanionLink(config, px4_side, system=options.system, index=1, guard=guard)
