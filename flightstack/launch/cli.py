@@ -57,8 +57,9 @@ def _fly(request: FlightRequest, output: Stream) -> int:
             for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
                 signal.signal(number, pair.pass_on)
             exit_code = pair.wait()
-            if px4 is not None:
-                px4.check(pair)
+            died = None if px4 is None else px4.explain_end(pair)
+            if died is not None:
+                print(f"{PROGRAM}: {died}", file=sys.stderr)
             return exit_code
 
 

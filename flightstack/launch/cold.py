@@ -30,10 +30,9 @@ class ColdStarter:
             px4 = stack.enter_context(prepared_px4(order.request, order.ports))
             pair = stack.enter_context(started(*both, None if px4 is None else px4.program))
             pair.wait(order.limit_s)
-            if px4 is not None:
-                px4.check(pair)
+            died = None if px4 is None else px4.explain_end(pair)
             codes = pair.vehicle.poll(), pair.companion.poll()
-        return Ended(vehicle=codes[0], companion=codes[1], folder=order.folder)
+        return Ended(vehicle=codes[0], companion=codes[1], folder=order.folder, px4=died)
 
     def close(self) -> None:
         """Do nothing."""

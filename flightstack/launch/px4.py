@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flightstack.errors import UsageError
-from flightstack.launch.errors import FlightDiedError
 from flightstack.launch.instances import free_instance
 from flightstack.launch.order import last_line
 from flightstack.launch.ports import Ports
@@ -33,12 +32,13 @@ class Px4:
     program: Program
     folder: Path
 
-    def check(self, pair: Pair) -> None:
-        """Raise FlightDiedError where it ended by itself."""
+    def explain_end(self, pair: Pair) -> str | None:
+        """Say how it ended, in its own last words; None while it runs."""
         code = None if pair.px4 is None else pair.px4.poll()
-        if code is not None:
-            words = last_line((self.folder / OUTPUT).read_text(errors="replace"))
-            raise FlightDiedError(f"PX4 ended with {code}: {words}")
+        if code is None:
+            return None
+        words = last_line((self.folder / OUTPUT).read_text(errors="replace"))
+        return f"PX4 ended with {code}: {words}"
 
 
 @contextlib.contextmanager

@@ -1,5 +1,6 @@
 """A real PX4, where FLIGHTSTACK_PX4 names its build folder or its binary; else nothing is tried."""
 
+import json
 import os
 import signal
 import subprocess
@@ -44,6 +45,28 @@ def test_px4_never_outlives_the_command(tmp_path: Path, ending: signal.Signals) 
     flight.communicate(timeout=60.0)
     assert_gone(started)
     assert list((tmp_path / "px4").glob("log/**/*.ulg"))
+
+
+def test_a_px4_that_dies_in_flight_leaves_a_result(tmp_path: Path) -> None:
+    flight = subprocess.Popen(
+        [*FLY, "--fast", "--json", "--noise=0,0", "--autopilot=px4", f"--px4={BUILD}"],
+        cwd=tmp_path,
+        env=ENVIRONMENT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert flight.stderr is not None
+    for line in flight.stderr:
+        if "gate 1/" in line:
+            break
+    started = children(flight.pid)
+    (px4,) = (pid for pid in started if Path(f"/proc/{pid}/exe").resolve().name == "px4")
+    os.kill(px4, signal.SIGKILL)
+    printed, said = flight.communicate(timeout=60.0)
+    assert json.loads(printed.splitlines()[-1])["outcome"] == "link_lost"
+    assert "PX4 ended with -9" in said
+    assert_gone(started)
 
 
 def test_two_fly_at_once(tmp_path: Path) -> None:
