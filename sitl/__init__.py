@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from sitl.errors import SitlError, UsageError
+    from sitl.flown_vehicle import SimulationConfig, look_of_day
     from sitl.frames import euler_from_quaternion, quaternion_from_euler, rotate, wrap_pi, yaw_of
     from sitl.records.conditions import (
         CameraFaults,
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
     from sitl.sensors.camera.feed import CAMERA_RATE_HZ
     from sitl.sensors.camera.look import GROUND_TEXTURES, Colour, Look, at_dusk, draw_look, in_fog
     from sitl.sensors.camera.picture import blurred
-    from sitl.simulation import Simulation, SimulationConfig, look_of_day
+    from sitl.simulation import Simulation
     from sitl.world.track import (
         GATE_HEIGHT_M,
         GATES_PER_LAP,
@@ -67,6 +68,7 @@ _MODULES = (  # where the names live, from light to heavy
     "sensors.camera.picture",
     "sensors.camera.camera",
     "sensors.camera.feed",
+    "flown_vehicle",
     "simulation",
 )
 __all__ = [

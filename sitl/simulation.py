@@ -1,66 +1,17 @@
-"""One vehicle, one course, one clock: a tick at a time, in process, without sockets.
-
-A tick: the autopilot looks at the last estimate and drives the motors, the world moves by 4 ms,
-the referee judges the movement, the estimator senses it. Images are taken only when asked for.
-"""
+"""The simulated vehicle with the emulated autopilot, in process: what training and tests fly."""
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
 
-import numpy as np
-
-from sitl.autopilot.autopilot import Autopilot
-from sitl.autopilot.parameters import Parameters
-from sitl.clock import TICK_S, TICK_US
-from sitl.flight_controller import FlightController
-from sitl.frames import HOME, quaternion_from_euler
-from sitl.records.conditions import Conditions, Wind
-from sitl.records.course import CourseEvent, CourseStatus, Direction
-from sitl.records.failures import SENSORS, Failure, FailureType, FailureUnit
-from sitl.records.images import Image, ImageStamp
-from sitl.records.motion import Vector3, VehicleState
-from sitl.records.sensing import Estimate, Readings
-from sitl.sensors.battery import Pack
-from sitl.sensors.breakage import Breakage
-from sitl.sensors.camera.camera import Camera
-from sitl.sensors.camera.feed import CameraFeed
-from sitl.sensors.camera.look import Look, at_dusk, draw_look, in_fog
-from sitl.sensors.estimate.estimator import SETTLED_S, Estimator, PerfectEstimator
+from sitl.emulated_controller import EmulatedController, make_estimator
+from sitl.flown_vehicle import ESTIMATE_STREAM, FlownVehicle, SimulationConfig, chance
+from sitl.frames import quaternion_from_euler
+from sitl.records.motion import Vector3
+from sitl.records.sensing import Estimate
 from sitl.sensors.imu import Imu
-from sitl.sensors.noise import normals
-from sitl.sensors.suite import Sensors
-from sitl.world.airframe import Airframe, load_airframe
-from sitl.world.referee import Referee
-from sitl.world.track import Track, make_track, with_decoys
-from sitl.world.wind import blow
-from sitl.world.world import World
-
-# These separate the uses of the vehicle's seed from each other.
-LOOK_STREAM, SENSOR_STREAM, ESTIMATE_STREAM, BREAKAGE_STREAM = 0x100C, 0x5E45, 0xE571, 0xB4EA
-WIND_STREAM, SPOILER_STREAM = 0xA114, 0x5B01
-CLEAR_DAY = Conditions()
+from sitl.world.airframe import Airframe
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SimulationConfig:
-    """All that a flight depends on, apart from what is sent to the vehicle."""
-
-    seed: int = 0  # of the vehicle and the day: look, sensor noise, the estimate's errors
-    track_seed: int = 0
-    noise_m: tuple[float, float] = (1.0, 2.0)  # GRN, GHN: gate radius and height
-    direction: Direction = "cw"
-    laps: int = 1
-    first_gate: int = 0  # the gate that is due first
-    home: Vector3 = HOME
-    airframe: str = "x500"
-    perfect_estimate: bool = False  # the autopilot knows the truth
-    settled_s: float = SETTLED_S  # after boot, when it may be armed
-    conditions: Conditions = CLEAR_DAY
-    gui: bool = False
-
-
-class Simulation:
+class Simulation(FlownVehicle[EmulatedController]):
     """The vehicle in its world; its autopilot and course are public, for whoever talks to them."""
 
     def __init__(self, config: SimulationConfig) -> None:
@@ -70,172 +21,30 @@ class Simulation:
             UsageError: the track's noise or the airframe cannot be.
 
         """
-        self.config = config
-        self.time_us = 0
-        self.track = _lay_out(config)
-        airframe = load_airframe(config.airframe)
-        self._hover_thrust = airframe.hover_thrust
-        self.parameters = Parameters(airframe.parameters)
-        self.autopilot: FlightController = _make_autopilot(self.parameters, airframe, config)
-        breakage_rng = _chance(config, BREAKAGE_STREAM)
-        self._breakage = Breakage(breakage_rng)
-        self._wind = _make_wind(config)
-        standing = self.track.gates + self.track.decoys
-        self._world = World(standing, airframe, tick_s=TICK_S, gui=config.gui)
-        first = config.first_gate
-        self.course_gates = self.track.gates[first:] + self.track.gates[:first]
-        self._referee = Referee(self.course_gates, config.laps)
-        self._events: list[CourseEvent] = []
-        self._sensors = Sensors([config.seed, SENSOR_STREAM], altitude_m=config.home[2])
-        self._parameter_values = self.parameters.values
-        self._pack = Pack.resolve(self._parameter_values)
-        self._estimator = _make_estimator(config, self._sensors.imu)
-        self._camera = CameraFeed(
-            Camera(standing, look_of_day(config)),
-            config.conditions.camera,
-            fault_rng=_chance(config, SPOILER_STREAM),
-            failure_rng=breakage_rng,
-        )
-        self.state: VehicleState = self._world.body.state(0)
-        self.readings: Readings = self._sensors.update(self.state, self._pack)
-        self.estimate: Estimate = self._estimator.update(self.state, self.readings)
-
-    def close(self) -> None:
-        """Free the physics engine and the renderer."""
-        self._camera.close()
-        self._world.close()
-
-    def step(self) -> None:
-        """Advance by one tick."""
-        motors = self._breakage.drive(self.autopilot.step(self.estimate), self.time_us)
-        for failure in self.autopilot.drain_failures():
-            self._fail(failure)
-        if self._wind is not None:
-            self._world.body.wind_ned = next(self._wind)
-        previous = self.state
-        self.time_us += TICK_US
-        self.state = self._world.step(motors, self.time_us)
-        self._events += self._referee.update(
-            previous.position_ned, self.state.position_ned, contact=self._world.touches_gate()
-        )
-        self._sense()
-
-    def _sense(self) -> None:
-        if self.parameters.values is not self._parameter_values:
-            self._parameter_values = self.parameters.values
-            self._pack = Pack.resolve(self._parameter_values)
-        armed = self.autopilot.armed
-        self._sensors.battery.advance(TICK_US, self._pack, armed=armed)
-        self.readings = self._sensors.update(self.state, self._pack, shaken=armed)
-        self.estimate = self._estimator.update(self.state, self.readings)
-
-    def image_due(self) -> bool:
-        """Whether the camera gives an image out at this tick; true once for each."""
-        return self._camera.is_due(self.state)
+        super().__init__(config, lambda airframe, imu: _make_controller(config, airframe, imu))
+        self.autopilot = self.controller.autopilot
+        self.parameters = self.controller.parameters
 
     @property
-    def image_stamp(self) -> ImageStamp:
-        """Time and number of the image that `render` gives."""
-        return self._camera.stamp(self.time_us)
-
-    def render(self) -> Image:
-        """Give the image out that is due: one of this moment, unless the camera is late."""
-        return self._camera.give(self.state)
-
-    @property
-    def course(self) -> CourseStatus:
-        """The score so far."""
-        return self._referee.status
-
-    def drain_course_events(self) -> list[CourseEvent]:
-        """Hand over what the referee saw since the last call."""
-        events, self._events = self._events, []
-        return events
-
-    @property
-    def is_silent(self) -> bool:
-        """Whether a failure keeps the vehicle from sending and hearing anything."""
-        return self._breakage.is_silent(self.time_us)
-
-    @property
-    def signal_fault(self) -> FailureType:
-        """What a failure does to the signal."""
-        return self._breakage.signal_fault
+    def estimate(self) -> Estimate:
+        """What the autopilot believes."""
+        return self.controller.estimate
 
     def start_airborne(self, position_ned: Vector3, yaw_rad: float, speed_m_s: float = 0.0) -> None:
         """Put the vehicle into the air: armed, in OFFBOARD, flying straight ahead."""
         velocity = (speed_m_s * math.cos(yaw_rad), speed_m_s * math.sin(yaw_rad), 0.0)
-        self._world.body.reset(
-            position_ned=position_ned,
-            velocity_ned=velocity,
-            q_ned_frd=quaternion_from_euler(0.0, 0.0, yaw_rad),
-            thrust=self._hover_thrust,
-        )
-        self.state = self._world.body.state(self.time_us)
-        self._estimator.align()
+        self._put(position_ned, velocity, quaternion_from_euler(0.0, 0.0, yaw_rad))
+        self.controller.align()
         self._sense()
         self.autopilot.start_airborne()
 
-    def _fail(self, failure: Failure) -> None:
-        if failure.unit in SENSORS or failure.unit is FailureUnit.BATTERY:
-            self._sensors.fail(failure.unit, failure.type, self.time_us)
-        elif failure.unit is FailureUnit.CAMERA:
-            self._camera.fail(failure.type, self.time_us)
-        else:
-            self._breakage.fail(failure, self.time_us)
 
-
-def look_of_day(config: SimulationConfig) -> Look:
-    """Draw what the world looks like on the day of a flight."""
-    light = config.conditions.light
-    look = draw_look(_chance(config, LOOK_STREAM))
-    if light.daylight_share < 1.0:
-        look = at_dusk(look, light.daylight_share)
-    return in_fog(look, light.fog_visibility_m)
-
-
-def _lay_out(config: SimulationConfig) -> Track:
-    radius_noise_m, height_noise_m = config.noise_m
-    track = make_track(
-        config.track_seed,
-        radius_noise_m=radius_noise_m,
-        height_noise_m=height_noise_m,
-        direction=config.direction,
-    )
-    inwards_m = config.conditions.course.decoy_inwards_m
-    return track if inwards_m == 0.0 else with_decoys(track, inwards_m)
-
-
-def _make_autopilot(
-    parameters: Parameters, airframe: Airframe, config: SimulationConfig
-) -> FlightController:
-    return Autopilot(
-        parameters,
-        rotor_positions_frd_m=airframe.rotors.positions_frd_m,
-        rotor_yaw_moments_m=airframe.rotors.yaw_moments_m,
-        hover_thrust=airframe.hover_thrust,
-        home=config.home,
-    )
-
-
-def _make_wind(config: SimulationConfig) -> Iterator[Vector3] | None:
-    """Let the wind blow; None where the air stands still."""
-    if config.conditions.wind == Wind():
-        return None
-    return blow(config.conditions.wind, normals(_chance(config, WIND_STREAM)), TICK_S)
-
-
-def _make_estimator(config: SimulationConfig, imu: Imu) -> Estimator | PerfectEstimator:
-    if config.perfect_estimate:
-        return PerfectEstimator(settled_s=config.settled_s)
-    return Estimator(
-        _chance(config, ESTIMATE_STREAM),
-        imu.gyro_bias_frd,
-        imu.accelerometer_bias_frd,
+def _make_controller(config: SimulationConfig, airframe: Airframe, imu: Imu) -> EmulatedController:
+    estimator = make_estimator(
+        chance(config, ESTIMATE_STREAM),
+        imu,
+        is_perfect=config.perfect_estimate,
         rotor_noise_share=config.conditions.estimate.rotor_noise_share,
         settled_s=config.settled_s,
     )
-
-
-def _chance(config: SimulationConfig, stream: int) -> np.random.Generator:
-    return np.random.default_rng([config.seed, stream])
+    return EmulatedController(airframe, estimator, home=config.home)

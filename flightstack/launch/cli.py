@@ -6,11 +6,11 @@ import signal
 import sys
 import tempfile
 from collections.abc import Sequence
+from pathlib import Path
 
 from flightstack.errors import FlightstackError, UsageError
-from flightstack.launch.instances import free_instance
-from flightstack.launch.ports import Ports
 from flightstack.launch.processes import Stream, programs, started
+from flightstack.launch.px4 import held_ports, prepared_px4
 from flightstack.launch.request import FlightRequest
 from flightstack.launch.result import FlightResult, noise_m
 
@@ -21,17 +21,8 @@ DID_NOT_FLY = "did not fly"
 def main(argv: Sequence[str] | None = None) -> int:
     """Fly; the companion's exit code is the command's."""
     options = _parse(argv)
-    request = FlightRequest(
-        laps=options.laps,
-        track_seed=options.track_seed,
-        noise=options.noise,
-        model=options.model,
-        strategy=options.strategy,
-        speed_factor=0.0 if options.fast else options.speed_factor,
-        vehicle_options=("-q",),
-        companion_options=("--json",) if options.json else (),
-    )
     try:
+        request = _request(options)
         with tempfile.TemporaryFile("w+") as output:
             exit_code = _fly(request, output if options.json else None)
             if options.json:
@@ -43,14 +34,33 @@ def main(argv: Sequence[str] | None = None) -> int:
         return error.exit_code
 
 
+def _request(options: argparse.Namespace) -> FlightRequest:
+    return FlightRequest(
+        laps=options.laps,
+        track_seed=options.track_seed,
+        noise=options.noise,
+        model=options.model,
+        strategy=options.strategy,
+        speed_factor=0.0 if options.fast else options.speed_factor,
+        px4=_px4_of(options),
+        px4_folder=options.px4_folder,
+        vehicle_options=("-q",),
+        companion_options=("--json",) if options.json else (),
+    )
+
+
 def _fly(request: FlightRequest, output: Stream) -> int:
-    """Fly with both processes' words on the terminal; signals are for the companion."""
-    with free_instance() as instance:
-        both = programs(request, Ports.of_instance(instance), companion=(output, None))
-        with started(*both) as pair:
+    """Fly with the processes' words on the terminal; signals are for the companion."""
+    with held_ports(request) as ports, prepared_px4(request, ports) as px4:
+        both = programs(request, ports, companion=(output, None))
+        with started(*both, None if px4 is None else px4.program) as pair:
             for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
                 signal.signal(number, pair.pass_on)
-            return pair.wait()
+            exit_code = pair.wait()
+            died = None if px4 is None else px4.explain_end(pair)
+            if died is not None:
+                print(f"{PROGRAM}: {died}", file=sys.stderr)
+            return exit_code
 
 
 def _result_line(output: str, request: FlightRequest, exit_code: int) -> str:
@@ -59,6 +69,15 @@ def _result_line(output: str, request: FlightRequest, exit_code: int) -> str:
         return result.to_json()
     noise = None if exit_code == UsageError.exit_code else noise_m(request)
     return json.dumps({"outcome": DID_NOT_FLY, "track_seed": request.track_seed, "noise": noise})
+
+
+def _px4_of(options: argparse.Namespace) -> Path | None:
+    if options.autopilot == "px4" and options.px4 is None:
+        raise UsageError("--autopilot px4 needs --px4 PATH: PX4's build folder or its binary")
+    if options.autopilot != "px4" and (options.px4 or options.px4_folder):
+        raise UsageError("--px4 and --px4-folder: only with --autopilot px4")
+    px4: Path | None = options.px4
+    return px4
 
 
 def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
@@ -81,5 +100,8 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
         "--speed-factor", type=float, default=1.0, help="times real time (default 1)"
     )
     speed.add_argument("--fast", action="store_true", help="as fast as possible")
+    add("--autopilot", choices=("emulated", "px4"), default="emulated", help="who flies")
+    add("--px4", type=Path, metavar="PATH", help="build folder or binary of a real PX4")
+    add("--px4-folder", type=Path, metavar="DIR", help="where PX4 runs and leaves its logs")
     add("--json", action="store_true", help="last line of output: the result as one JSON object")
     return parser.parse_args(argv)

@@ -1,10 +1,11 @@
-"""Start each flight's two processes anew, as a user does in two terminals."""
+"""Start each flight's processes anew, as a user does in two or three terminals."""
 
 import contextlib
 from typing import IO
 
 from flightstack.launch.order import COMPANION, VEHICLE, Ended, Order
 from flightstack.launch.processes import programs, started
+from flightstack.launch.px4 import prepared_px4
 
 
 class ColdStarter:
@@ -26,10 +27,12 @@ class ColdStarter:
                 vehicle=(into(f"{VEHICLE}.out"), into(f"{VEHICLE}.err")),
                 companion=(into(f"{COMPANION}.out"), into(f"{COMPANION}.err")),
             )
-            pair = stack.enter_context(started(*both))
+            px4 = stack.enter_context(prepared_px4(order.request, order.ports))
+            pair = stack.enter_context(started(*both, None if px4 is None else px4.program))
             pair.wait(order.limit_s)
+            died = None if px4 is None else px4.explain_end(pair)
             codes = pair.vehicle.poll(), pair.companion.poll()
-        return Ended(vehicle=codes[0], companion=codes[1], folder=order.folder)
+        return Ended(vehicle=codes[0], companion=codes[1], folder=order.folder, px4=died)
 
     def close(self) -> None:
         """Do nothing."""

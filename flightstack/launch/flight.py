@@ -4,16 +4,15 @@ import tempfile
 from pathlib import Path
 
 from flightstack.launch.cold import ColdStarter
-from flightstack.launch.instances import free_instance
 from flightstack.launch.order import Order, Starter
-from flightstack.launch.ports import Ports
+from flightstack.launch.px4 import held_ports
 from flightstack.launch.request import FlightRequest
 from flightstack.launch.result import FlightResult, read_result
 
 COLD = ColdStarter()
 
 
-def fly(
+def fly(  # noqa: PLR0913  the options of scripts/fly, all by name
     *,
     laps: int = 1,
     track_seed: int = 0,
@@ -22,8 +21,11 @@ def fly(
     strategy: str | None = None,
     speed_factor: float = 1.0,
     fast: bool = False,
+    px4: Path | None = None,
 ) -> FlightResult:
     """Fly as `scripts/fly` does with the options of these names, and say nothing on the way.
+
+    With `px4`, the build folder or the binary of a real PX4, that one flies.
 
     The companion's log is in the folder `logs` of the working directory. A flight that began gives
     a result, whatever its outcome. Raises UsageError, ModelError or LinkError, in one line, where
@@ -36,6 +38,7 @@ def fly(
         model=model,
         strategy=strategy,
         speed_factor=0.0 if fast else speed_factor,
+        px4=px4,
         vehicle_options=("-q",),
         companion_options=("-q", "--json"),
     )
@@ -44,6 +47,9 @@ def fly(
 
 def fly_request(request: FlightRequest, starter: Starter = COLD) -> FlightResult:
     """Fly on the ports of a free instance; raises as `fly` does."""
-    with free_instance() as instance, tempfile.TemporaryDirectory(prefix="flight-") as folder:
-        order = Order(request=request, ports=Ports.of_instance(instance), folder=Path(folder))
+    with (
+        held_ports(request) as ports,
+        tempfile.TemporaryDirectory(prefix="flight-") as folder,
+    ):
+        order = Order(request=request, ports=ports, folder=Path(folder))
         return read_result(starter.fly(order), request)

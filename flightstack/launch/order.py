@@ -28,6 +28,7 @@ class Ended:
     vehicle: int | None
     companion: int | None
     folder: Path
+    px4: str | None = None  # how a real PX4 ended, where it did so by itself
 
     def output(self, name: str) -> str:
         """Read what a process wrote to standard output."""

@@ -14,11 +14,23 @@ class Ports:
 
     vehicle_options: tuple[str, ...]
     companion: int  # UDP
+    instance: int = 0  # of a real PX4, which is told nothing else
 
     @classmethod
     def of_instance(cls, instance: int) -> Self:
         """Return those that PX4 gives an instance, which `free_instance` holds."""
         return cls(vehicle_options=(f"--instance={instance}",), companion=API_PORT + instance)
+
+    @classmethod
+    def of_px4_instance(cls, instance: int) -> Self:
+        """Return those of an instance whose PX4 is a real one: its companion's go through ours."""
+        with contextlib.ExitStack() as held:
+            companion = _free(held, socket.SOCK_DGRAM)
+        return cls(
+            vehicle_options=(f"--instance={instance}", f"--api-link=0:{companion}"),
+            companion=companion,
+            instance=instance,
+        )
 
     @classmethod
     def find(cls) -> Self:

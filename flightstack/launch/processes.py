@@ -1,7 +1,8 @@
-"""Run processes that end with whoever started them, whatever happens: one, or a flight's two."""
+"""Run processes that end with whoever started them, whatever happens: one, or all of a flight."""
 
 import contextlib
 import ctypes
+import functools
 import os
 import selectors
 import signal
@@ -18,6 +19,7 @@ from flightstack.launch.request import FlightRequest
 
 COMPANION_NOTICES_S = 8.0  # a companion whose vehicle died ends by itself within 5 s
 VEHICLE_ENDS_S = 5.0  # after SIGTERM: flush the log and leave
+PX4_ENDS_S = 5.0  # likewise; it was seen to take 0.1 s
 VEHICLE_REFUSED = (2, 3)  # exit codes of a vehicle that never started: usage, ports
 PR_SET_PDEATHSIG = 1  # Linux prctl
 LIBC = ctypes.CDLL(None)  # here: a child between fork and exec may load nothing
@@ -36,14 +38,16 @@ class Program:
     stderr: Stream = None
     environment: Mapping[str, str] | None = None  # None: as `environment` makes it
     folder: Path | None = None
+    orphan_signal: int = signal.SIGTERM  # what ends it when the starter is killed outright
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pair:
-    """The two processes of a flight, each the leader of its own group."""
+    """The processes of a flight, each the leader of its own group."""
 
     vehicle: Process
     companion: Process
+    px4: Process | None = None  # a real one, which the vehicle's process is the simulator of
 
     def pass_on(self, number: int, _: FrameType | None) -> None:
         """Hand a signal to the companion: it lands first, and at the second signal leaves."""
@@ -53,7 +57,7 @@ class Pair:
     def wait(self, limit_s: float | None = None) -> int:
         """Wait for the companion: its exit code, or that of a vehicle that refused to start."""
         with contextlib.ExitStack() as stack, selectors.DefaultSelector() as selector:
-            for process in (self.vehicle, self.companion):
+            for process in filter(None, (self.vehicle, self.companion, self.px4)):
                 pidfd = os.pidfd_open(process.pid)
                 stack.callback(os.close, pidfd)
                 selector.register(pidfd, selectors.EVENT_READ)
@@ -89,13 +93,18 @@ def programs(
 
 
 @contextlib.contextmanager
-def started(vehicle: Program, companion: Program) -> Iterator[Pair]:
-    """Start both; on any way out, end the companion at once, and the vehicle with its log whole."""
-    with (
-        running(vehicle, ends_s=VEHICLE_ENDS_S) as its_vehicle,
-        running(companion, ends_s=0.0) as its_companion,
-    ):
-        yield Pair(vehicle=its_vehicle, companion=its_companion)
+def started(vehicle: Program, companion: Program, px4: Program | None = None) -> Iterator[Pair]:
+    """Start all; on any way out, end the companion at once, and the others with their logs whole.
+
+    A real PX4 ends before its simulator, without which its clock would stand.
+    """
+    with contextlib.ExitStack() as stack:
+        its_vehicle = stack.enter_context(running(vehicle, ends_s=VEHICLE_ENDS_S))
+        its_px4 = None
+        if px4 is not None:
+            its_px4 = stack.enter_context(running(px4, ends_s=PX4_ENDS_S))
+        its_companion = stack.enter_context(running(companion, ends_s=0.0))
+        yield Pair(vehicle=its_vehicle, companion=its_companion, px4=its_px4)
 
 
 @contextlib.contextmanager
@@ -109,7 +118,9 @@ def running(program: Program, *, ends_s: float) -> Iterator[Process]:
         stdout=program.stdout,
         stderr=program.stderr,
         start_new_session=True,  # a Ctrl-C reaches the starter alone, which passes it on
-        preexec_fn=_die_with_parent,  # noqa: PLW1509  it takes no lock that a thread could hold
+        preexec_fn=functools.partial(  # noqa: PLW1509  it takes no lock that a thread could hold
+            _die_with_parent, program.orphan_signal
+        ),
     ) as process:
         try:
             yield process
@@ -128,6 +139,6 @@ def environment() -> dict[str, str]:
     return {"OMP_NUM_THREADS": "1"} | os.environ | {"PYTHONPATH": path}
 
 
-def _die_with_parent() -> None:
-    """Ask Linux to end this child when the starter is killed outright."""
-    LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+def _die_with_parent(number: int) -> None:
+    """Ask Linux to end this child by a signal when the starter is killed outright."""
+    LIBC.prctl(PR_SET_PDEATHSIG, number)

@@ -1,6 +1,7 @@
 """What is flown, and by whom, as the command lines of the two processes: all of it is in them."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from flightstack.launch.ports import Ports
 
@@ -17,12 +18,15 @@ class FlightRequest:
     model: str | None = None  # which flies; None: the companion's default
     strategy: str | None = None  # how it decides; None: the model's
     speed_factor: float = 1.0  # times real time; 0: as fast as possible
+    px4: Path | None = None  # a build of a real PX4, or its binary; None: the emulated autopilot
+    px4_folder: Path | None = None  # where it runs and leaves its logs; None: nowhere that stays
     vehicle_options: tuple[str, ...] = ()  # further ones of `python -m sitl`
     companion_options: tuple[str, ...] = ()  # further ones of `python -m flightstack.companion`
 
     def vehicle_arguments(self, ports: Ports) -> list[str]:
         """Return the arguments of `python -m sitl`."""
         return [
+            *(() if self.px4 is None else ("--autopilot=px4",)),
             *("--lockstep", f"--speed-factor={self.speed_factor}", *ports.vehicle_options),
             *(f"--laps={self.laps}", f"--track-seed={self.track_seed}", f"--noise={self.noise}"),
             *self.vehicle_options,

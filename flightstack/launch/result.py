@@ -77,6 +77,8 @@ def read_result(ended: Ended, request: FlightRequest) -> FlightResult:
     result = FlightResult.parse(ended.output(COMPANION), request)
     if result is not None:
         return result
+    if ended.px4 is not None:
+        raise FlightDiedError(ended.px4)
     words = last_line(ended.errors(COMPANION))
     if ended.companion == UNCAUGHT:
         raise FlightCrashedError(f"the companion raised {words}")

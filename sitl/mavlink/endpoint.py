@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from sitl.clock import Schedule
 from sitl.mavlink.components.camera_component import CameraComponent, CameraFacts
-from sitl.mavlink.components.referee_component import RefereeComponent
+from sitl.mavlink.components.referee_component import RefereeComponent, flies_a_mission
 from sitl.mavlink.dispatch import Dispatcher, Servers
 from sitl.mavlink.links.forwarding import Forwarder
 from sitl.mavlink.links.ground_station import GroundStationWatch
@@ -74,6 +74,11 @@ class Endpoint:
     def take_answer(self) -> int:
         """Give the stamp of the image that a new offboard setpoint answers, -1 if none came."""
         return self._servers.setpoints.take_answer()
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether time may pass: the emulated autopilot is always there."""
+        return True
 
     @property
     def is_listing(self) -> bool:
@@ -148,7 +153,7 @@ class Endpoint:
         vehicle, storage, refusals = self._vehicle, self._storage, guard.refusals
         return Servers(
             camera=CameraComponent(camera),
-            referee=RefereeComponent(vehicle),
+            referee=RefereeComponent(vehicle, lambda: flies_a_mission(vehicle.autopilot)),
             commands=CommandServer(vehicle, system, storage.metadata),
             missions=MissionServer(vehicle, self._outgoing.broadcast, self._outgoing.say),
             parameters=ParameterServer(

@@ -101,7 +101,22 @@ class CommandedAutopilot(Protocol):
         """Hand over what it has said since the last call."""
 
 
-class SimulatedVehicle(Protocol):
+class JudgedVehicle(Protocol):
+    """A vehicle on a course."""
+
+    @property
+    def course(self) -> CourseStatus:
+        """The score so far."""
+
+    @property
+    def course_gates(self) -> tuple[Gate, ...]:
+        """The gates of one lap, in order."""
+
+    def drain_course_events(self) -> list[CourseEvent]:
+        """Hand over what the referee saw since the last call."""
+
+
+class SimulatedVehicle(JudgedVehicle, Protocol):
     """One simulated vehicle on its course."""
 
     @property
@@ -135,14 +150,3 @@ class SimulatedVehicle(Protocol):
     @property
     def parameters(self) -> ParameterStore:
         """Its parameters."""
-
-    @property
-    def course(self) -> CourseStatus:
-        """The score so far."""
-
-    @property
-    def course_gates(self) -> tuple[Gate, ...]:
-        """The gates of one lap, in order."""
-
-    def drain_course_events(self) -> list[CourseEvent]:
-        """Hand over what the referee saw since the last call."""

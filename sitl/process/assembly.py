@@ -1,26 +1,20 @@
 """Put a vehicle together: the simulation, its camera stream, its endpoint, and the loop."""
 
-import os
-import sys
 from collections.abc import Sequence
 from contextlib import ExitStack, closing
 
 from sitl.autopilot.parameters import Parameters, ParameterType
-from sitl.errors import UsageError
-from sitl.mavlink.components.camera_component import CameraFacts
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.links.link import Guard, Link
 from sitl.mavlink.servers.files.storage import Storage
-from sitl.mavlink.wire.tlog import TlogWriter
+from sitl.process.lockstep import Lockstep
 from sitl.process.options.command_line import Options
 from sitl.process.options.parameter_file import ParameterFile
 from sitl.process.server import Server
 from sitl.process.streams.camera_stream import CameraStream
-from sitl.process.streams.video import VideoSender
+from sitl.process.surroundings import describe_camera, keep_records, make_config
 from sitl.process.vehicle_folder import vehicle_folder
-from sitl.sensors.camera.camera import FIELD_OF_VIEW_DEG, SIZE_PX
-from sitl.sensors.camera.feed import CAMERA_RATE_HZ
-from sitl.simulation import Simulation, SimulationConfig
+from sitl.simulation import Simulation
 
 
 def assemble(
@@ -40,7 +34,7 @@ def assemble(
         simulation,
         links,
         system=options.system,
-        camera=_describe_camera(stream),
+        camera=describe_camera(stream.uri),
         unix_epoch_us=unix_epoch_us,
         guard=guard,
         storage=stack.enter_context(
@@ -54,40 +48,17 @@ def assemble(
         links,
         stream,
         speed_factor=options.speed_factor,
-        lockstep=options.lockstep,
+        lockstep=Lockstep() if options.lockstep else None,
     )
-    if options.video is not None:
-        video = VideoSender(options.video, size_px=SIZE_PX, rate_hz=CAMERA_RATE_HZ)
-        server.send_video(stack.enter_context(closing(video)))
-    server.watch_refusals(guard.refusals)
+    keep_records(server, options, guard, stack, unix_epoch_us, lambda: simulation.time_us)
     if kept is not None:
         server.each_second(kept.save)
         stack.callback(kept.save)
-    if options.log is not None:
-        tlog = TlogWriter(
-            options.log, unix_epoch_us=unix_epoch_us, clock=lambda: simulation.time_us
-        )
-        server.keep_log(stack.enter_context(closing(tlog)))
     return server, stream
 
 
 def _make_simulation(options: Options) -> Simulation:
-    if options.gui and sys.platform == "linux" and not os.environ.get("DISPLAY"):
-        raise UsageError("--gui needs a display: DISPLAY is not set")
-    return Simulation(
-        SimulationConfig(
-            seed=options.seed,
-            track_seed=options.track_seed,
-            noise_m=options.noise_m,
-            direction=options.direction,
-            laps=options.laps,
-            home=options.home,
-            gui=options.gui,
-            perfect_estimate=options.perfect_estimate,
-            settled_s=options.ready_after_s,
-            conditions=options.conditions,
-        )
-    )
+    return Simulation(make_config(options))
 
 
 def _set_parameters(options: Options, parameters: Parameters) -> ParameterFile | None:
@@ -127,13 +98,3 @@ def _describe_parameters(parameters: Parameters) -> list[dict[str, str | float]]
         }
         for spec in map(parameters.specification, parameters.names())
     ]
-
-
-def _describe_camera(stream: CameraStream) -> CameraFacts:
-    return CameraFacts(
-        stream_uri=stream.uri,
-        width_px=SIZE_PX,
-        height_px=SIZE_PX,
-        field_of_view_deg=round(FIELD_OF_VIEW_DEG),
-        rate_hz=float(CAMERA_RATE_HZ),
-    )

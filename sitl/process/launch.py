@@ -20,6 +20,7 @@ from sitl.mavlink.links.udp_link import LinkConfig, UdpLink
 from sitl.mavlink.streams.health import heartbeat
 from sitl.mavlink.wire.signing import Signing
 from sitl.process.options.command_line import Options
+from sitl.process.options.px4_options import Px4Options
 from sitl.process.options.signing_key import read_key, write_key
 from sitl.process.quiet import quiet_outputs
 from sitl.records.mavlink_numbers import MavState
@@ -32,7 +33,7 @@ _log = logging.getLogger(__name__)
 
 
 def launch(options: Options) -> int:
-    """Run one vehicle; returns the exit code.
+    """Run one vehicle, or print what a PX4 needs to know of it; returns the exit code.
 
     Raises:
         LinkError: a port cannot be had.
@@ -40,7 +41,12 @@ def launch(options: Options) -> int:
 
     """
     unix_epoch_us = time.time_ns() // 1000
+    if options.prints_px4_environment:
+        _print_px4_environment(options)
+        return 0
     with ExitStack() as stack:
+        if options.px4 is not None:
+            return _launch_px4(options, options.px4, unix_epoch_us, stack)
         guard = _make_guard(options)
         links = _open_links(options, guard, stack)
         boot = heartbeat(Mode.HOLD.custom_mode, Mode.HOLD.base_mode, MavState.UNINIT)
@@ -51,10 +57,38 @@ def launch(options: Options) -> int:
 
         server, stream = assemble(options, links, guard, unix_epoch_us, stack)
         _log.info("vehicle %d: %s, camera %s", options.system, _describe(links), stream.uri)
-        if options.video is not None:
-            _log.info("video to udp://%s:%d", *options.video)
-        gc.freeze()  # what is here now stays: no need to look through it again and again
-        return _run(server)
+        return _run(server, options)
+
+
+def _launch_px4(options: Options, px4: Px4Options, unix_epoch_us: int, stack: ExitStack) -> int:
+    from sitl.hil.connection import Px4Connection  # noqa: PLC0415  only a real PX4 needs them
+    from sitl.hil.relay import CompanionLink, Px4Side, relay_ports  # noqa: PLC0415
+
+    guard = Guard()
+    connection = stack.enter_context(closing(Px4Connection(px4.hil_address)))
+    relay = None
+    if px4.has_relay:
+        px4_side = stack.enter_context(closing(Px4Side(relay_ports(options.instance))))
+        local, remote = options.api_ports
+        config = LinkConfig(name="relay", local_port=local, remote_port=remote)
+        link = CompanionLink(config, px4_side, system=options.system, index=1, guard=guard)
+        px4_side.link = stack.enter_context(closing(link))
+        relay = (link, px4_side)
+    with quiet_outputs():
+        from sitl.process.px4_assembly import assemble_px4  # noqa: PLC0415  brings pybullet
+
+    server, stream = assemble_px4(options, connection, relay, guard, unix_epoch_us, stack)
+    host, port = connection.address
+    _log.info("simulator of PX4 %d: tcp %s:%d, camera %s", options.instance, host, port, stream.uri)
+    return _run(server, options)
+
+
+def _print_px4_environment(options: Options) -> None:
+    from sitl.hil.environment import px4_environment  # noqa: PLC0415  nobody else needs it
+    from sitl.world.airframe import load_airframe  # noqa: PLC0415
+
+    for name, value in px4_environment(load_airframe("x500"), options.home).items():
+        print(f"{name}={value}")
 
 
 def _make_guard(options: Options) -> Guard:
@@ -81,8 +115,11 @@ def _describe(links: Sequence[Link]) -> str:
     return ", ".join(link.describe() for link in links)
 
 
-def _run(server: "Server") -> int:
+def _run(server: "Server", options: Options) -> int:
     """Run until SIGINT or SIGTERM; a second signal ends the process at once."""
+    if options.video is not None:
+        _log.info("video to udp://%s:%d", *options.video)
+    gc.freeze()  # what is here now stays: no need to look through it again and again
     received: list[int] = []
 
     def stop(number: int, _frame: FrameType | None) -> None:

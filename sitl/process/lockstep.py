@@ -8,6 +8,7 @@
 Standing and waiting, the vehicle handles whatever comes in, at one and the same vehicle time.
 Locked and answered, it runs to the next image and reads nothing, so that what happens depends on
 the order of messages alone, never on wall time. Free, time passes at the pace of the wall clock.
+A real PX4, whose clock is ours, has to boot before anybody answers: with it, free is the beginning.
 A camera that fails gives nothing to answer: after 1.5 s of it messages are read at any time.
 """
 
@@ -21,12 +22,13 @@ _log = logging.getLogger(__name__)
 class Lockstep:
     """Follow images and answers. Wall time comes in as an argument."""
 
-    def __init__(self) -> None:
-        self._started = False
+    def __init__(self, *, starts_free: bool = False) -> None:
+        """Stand until the first answer; or run free until then, where an autopilot has to boot."""
+        self._started = starts_free
         self._answered = False  # the newest image
         self._image_us = 0
         self._image_wall_s = 0.0
-        self._free = False
+        self._free = starts_free
         self._warned = False
 
     def image_published(self, time_us: int, now_s: float) -> None:

@@ -13,7 +13,6 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from sitl.clock import TICK_US
-from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.links.link import Link
 from sitl.mavlink.wire.refusals import Refusals
 from sitl.mavlink.wire.tlog import TlogWriter
@@ -56,18 +55,58 @@ class ServedSimulation(Protocol):
         """Take an image now."""
 
 
+class ServedEndpoint(Protocol):
+    """What the vehicle says and hears."""
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether time may pass: there is somebody who flies."""
+
+    @property
+    def is_listing(self) -> bool:
+        """Whether something long is being sent, though the clock may stand."""
+
+    def take_answer(self) -> int:
+        """Give the stamp of the image that a new offboard setpoint answers, -1 if none came."""
+
+    def publish(self) -> None:
+        """Send what is due at the present vehicle time."""
+
+    def publish_trigger(self, stamp: ImageStamp) -> None:
+        """Announce a camera image, before its bytes go out."""
+
+    def repeat_heartbeats(self) -> None:
+        """Say that the vehicle is alive, while its clock stands."""
+
+    def advance_lists(self, elapsed_us: int) -> None:
+        """Send more of what is long."""
+
+    def receive(self, link: Link) -> bool:
+        """Take one datagram and answer it; False if none waits."""
+
+
+class Served(Protocol):
+    """What needs to be looked after whenever something comes in."""
+
+    def fileno(self) -> int:
+        """For a selector."""
+
+    def serve(self, timeout_s: float = 0.0) -> None:
+        """Handle what has come in."""
+
+
 class Server:
     """The loop around a simulation, its MAVLink endpoint and its camera stream."""
 
     def __init__(
         self,
         simulation: ServedSimulation,
-        endpoint: Endpoint,
+        endpoint: ServedEndpoint,
         links: Sequence[Link],
         stream: CameraStream,
         *,
         speed_factor: float = 1.0,
-        lockstep: bool = False,
+        lockstep: Lockstep | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Take over open sockets; `clock` is the wall clock in seconds."""
@@ -78,7 +117,7 @@ class Server:
         self._clock = clock
         self._pace = Pace(speed_factor, clock)
         self._free_pace = Pace(speed_factor or 1.0, clock)
-        self._lockstep = Lockstep() if lockstep else None
+        self._lockstep = lockstep
         self._was_free = True
         self._image_us = 0  # vehicle time of the last image given out
         self._heartbeat_s = self._flush_s = clock()
@@ -91,7 +130,11 @@ class Server:
         for link in links:
             link.gather()
             self._selector.register(link, selectors.EVENT_READ, link)
-        self._selector.register(stream, selectors.EVENT_READ)
+        self.look_after(stream)
+
+    def look_after(self, served: Served) -> None:
+        """Serve something more whenever there is something to do for it."""
+        self._selector.register(served, selectors.EVENT_READ, served)
 
     def keep_log(self, tlog: TlogWriter) -> None:
         """Record all traffic from now on; flushed every second."""
@@ -120,7 +163,11 @@ class Server:
         self._pace.restart(self._simulation.time_us)
         self._publish()
         while not self._stopping:
-            if self._lockstep is None:
+            if not self._endpoint.is_ready:
+                self._stand()
+                self._pace.restart(self._simulation.time_us)
+                self._free_pace.restart(self._simulation.time_us)
+            elif self._lockstep is None:
                 self._run_paced(self._pace)
             else:
                 self._run_lockstep(self._lockstep)
@@ -176,10 +223,10 @@ class Server:
         """Wait for something to come in, and handle it; an answered image ends it in lockstep."""
         self._send_gathered()
         for key, _ in self._selector.select(timeout_s):
-            if key.fileobj is self._stream:
-                self._stream.serve()
+            link: Link | Served = key.data
+            if not isinstance(link, Link):
+                link.serve()
                 continue
-            link: Link = key.data
             for _ in range(MAX_DATAGRAMS):
                 if not self._endpoint.receive(link):
                     break

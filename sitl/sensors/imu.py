@@ -29,7 +29,13 @@ class ImuReading(NamedTuple):
 class Imu:
     """Reads the true motion with noise and a bias that stays for the flight."""
 
-    def __init__(self, rng: np.random.Generator) -> None:
+    def __init__(self, rng: np.random.Generator, *, rotor_noise_share: float = 1.0) -> None:
+        """Draw the biases; turning rotors add so much of their noise, never less than at rest."""
+        share = rotor_noise_share
+        self._shaken_gyro_std = _at_least(GYRO_STD_RAD_S, SHAKEN_GYRO_STD_RAD_S, share)
+        self._shaken_accelerometer_std = _at_least(
+            ACCELEROMETER_STD_M_S2, SHAKEN_ACCELEROMETER_STD_M_S2, share
+        )
         self.gyro_bias_frd = normal_vector(rng, GYRO_BIAS_STD_RAD_S)
         self.accelerometer_bias_frd = normal_vector(rng, ACCELEROMETER_BIAS_STD_M_S2)
         self._noise = normals(rng)
@@ -40,8 +46,8 @@ class Imu:
         fx, fy, fz = state.specific_force_frd
         bp, bq, br = self.gyro_bias_frd
         bx, by, bz = self.accelerometer_bias_frd
-        sx, sy, sz = SHAKEN_ACCELEROMETER_STD_M_S2 if shaken else ACCELEROMETER_STD_M_S2
-        sp, sq, sr = SHAKEN_GYRO_STD_RAD_S if shaken else GYRO_STD_RAD_S
+        sx, sy, sz = self._shaken_accelerometer_std if shaken else ACCELEROMETER_STD_M_S2
+        sp, sq, sr = self._shaken_gyro_std if shaken else GYRO_STD_RAD_S
         noise = self._noise
         return ImuReading(
             (
@@ -55,3 +61,8 @@ class Imu:
                 fz + bz + sz * next(noise),
             ),
         )
+
+
+def _at_least(still: Vector3, shaken: Vector3, share: float) -> Vector3:
+    x, y, z = (max(low, share * high) for low, high in zip(still, shaken, strict=True))
+    return (x, y, z)

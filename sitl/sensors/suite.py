@@ -35,12 +35,14 @@ FAULT_SIZES = {  # how large garbage and a wrong offset are: plainly more than n
 class Sensors:
     """Samples the true state; every sensor draws from a stream of chance of its own."""
 
-    def __init__(self, seed: list[int], *, altitude_m: float) -> None:
+    def __init__(
+        self, seed: list[int], *, altitude_m: float, rotor_noise_share: float = 1.0
+    ) -> None:
         """Draw noise and biases from `seed`; `altitude_m` AMSL is that of the local origin."""
         chances = [np.random.default_rng([*seed, index]) for index in range(5)]
         self._altitude_m = altitude_m
         self.battery = Battery()
-        self.imu = Imu(chances[0])
+        self.imu = Imu(chances[0], rotor_noise_share=rotor_noise_share)
         self._gps = gps.Gps(chances[1])
         self._barometer = barometer.Barometer(chances[2])
         self._magnetometer = magnetometer.Magnetometer(chances[3])

@@ -9,11 +9,12 @@ referee keeps both messages to itself while the vehicle has a mission, except in
 """
 
 import math
+from collections.abc import Callable
 
 from sitl.mavlink.servers.command_server import acknowledge
 from sitl.mavlink.servers.request import Request
 from sitl.mavlink.streams.health import component_heartbeat
-from sitl.mavlink.vehicle import SimulatedVehicle
+from sitl.mavlink.vehicle import CommandedAutopilot, JudgedVehicle
 from sitl.mavlink.wire.dialect import Message, mavlink
 from sitl.mavlink.wire.texts import statustexts
 from sitl.records.course import CourseEvent, CourseEventKind, CourseState, CourseStatus, Gate
@@ -41,8 +42,12 @@ LOCAL_SCALE = 1e4  # MISSION_ITEM_INT.x and y of a local frame
 class RefereeComponent:
     """Put the course's events and score on the wire."""
 
-    def __init__(self, vehicle: SimulatedVehicle) -> None:
+    def __init__(
+        self, vehicle: JudgedVehicle, has_mission: Callable[[], bool] = lambda: False
+    ) -> None:
+        """`has_mission` says whether the score could now be taken for a mission's progress."""
         self._vehicle = vehicle
+        self._has_mission = has_mission
         self._texts = 0
 
     def heartbeat(self) -> Message:
@@ -55,14 +60,14 @@ class RefereeComponent:
 
     def scores(self) -> list[Message]:
         """Encode the score for everybody; nothing where it could be taken for a mission's."""
-        return [] if self._yields_to_mission() else [self.score()]
+        return [] if self._has_mission() else [self.score()]
 
     def events(self) -> list[Message]:
         """Encode what has happened since the last call; empty if nothing has."""
         events = self._vehicle.drain_course_events()
         if not events:
             return []
-        yields = self._yields_to_mission()
+        yields = self._has_mission()
         messages = [message for event in events for message in self._encode(event, silent=yields)]
         return messages if yields else [*messages, self.score()]
 
@@ -94,18 +99,19 @@ class RefereeComponent:
         is_next = is_due and course.state is CourseState.ACTIVE
         request.outlet.send(encode_gate(gates[message.seq], message.seq, request, is_next=is_next))
 
-    def _yields_to_mission(self) -> bool:
-        autopilot = self._vehicle.autopilot
-        if autopilot.missions.progress.total == 0:
-            return False
-        return autopilot.status.intended_mode is not Mode.OFFBOARD
-
     def _encode(self, event: CourseEvent, *, silent: bool) -> list[Message]:
         texts = statustexts(SEVERITIES[event.kind], event.text, self._texts)
         self._texts = (self._texts + 1) & 0xFFFF
         if event.kind is CourseEventKind.PASSED and not silent:
             return [mavlink.MAVLink_mission_item_reached_message(event.gate), *texts]
         return texts
+
+
+def flies_a_mission(autopilot: CommandedAutopilot) -> bool:
+    """Whether an autopilot has a mission, and is not in OFFBOARD."""
+    if autopilot.missions.progress.total == 0:
+        return False
+    return autopilot.status.intended_mode is not Mode.OFFBOARD
 
 
 def encode_score(course: CourseStatus) -> Message:

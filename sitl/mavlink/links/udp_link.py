@@ -46,7 +46,7 @@ class UdpLink(Link):
         self._remote: Address = (LOOPBACK, config.remote_port)
         self._sender = self._remote
         self._has_partner = False
-        self._socket = _bind(config)
+        self._socket = bind(config)
 
     def close(self) -> None:
         """Free the port."""
@@ -80,6 +80,10 @@ class UdpLink(Link):
             datagram, self._sender = self._socket.recvfrom(RECEIVE_BYTES)
         except OSError:
             return None
+        return self._judge(datagram)
+
+    def _judge(self, datagram: bytes) -> list[Received]:
+        """Find the packets of a datagram."""
         messages = split(datagram)
         if not messages:
             self._guard.refusals.note([Refusal.NO_PACKET])
@@ -90,7 +94,8 @@ class UdpLink(Link):
             self._remote, self._has_partner = self._sender, True
 
 
-def _bind(config: LinkConfig) -> socket.socket:
+def bind(config: LinkConfig) -> socket.socket:
+    """Open a non-blocking socket on the loopback interface; raises LinkError if it can't be."""
     udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     udp.settimeout(0.0)
     udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER_BYTES)

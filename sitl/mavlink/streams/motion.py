@@ -4,6 +4,7 @@ import math
 
 from sitl.mavlink.streams.view import View, degrees_e7, int16, int32, uint16
 from sitl.mavlink.wire.dialect import Message, mavlink
+from sitl.records.motion import Vector3, VehicleState
 
 NO_ROTATION = (0.0, 0.0, 0.0, 0.0)  # repr_offset_q: none
 UNKNOWN_COVARIANCE = (math.nan,) * 21
@@ -128,10 +129,14 @@ def attitude_target(view: View) -> Message:
 
 def hil_state_quaternion(view: View) -> Message:
     """HIL_STATE_QUATERNION: the truth, for whoever judges the flight."""
-    truth = view.truth
-    latitude, longitude, altitude_m = view.true_geodetic
+    return true_state(view.time_us, view.truth, view.true_geodetic)
+
+
+def true_state(time_us: int, truth: VehicleState, place: Vector3) -> Message:
+    """HIL_STATE_QUATERNION of a true state at a place: latitude, longitude (deg), altitude (m)."""
+    latitude, longitude, altitude_m = place
     return mavlink.MAVLink_hil_state_quaternion_message(
-        view.time_us,
+        time_us,
         truth.q_ned_frd,
         *truth.rates_frd,
         degrees_e7(latitude),

@@ -9,6 +9,7 @@ from typing import NoReturn, TypeVar
 from sitl.errors import UsageError
 from sitl.frames import HOME
 from sitl.process.options import values
+from sitl.process.options.px4_options import Px4Options, add_px4, read_px4
 from sitl.process.options.values import Address
 from sitl.records.conditions import Conditions, read_conditions
 from sitl.records.course import Direction
@@ -54,6 +55,8 @@ class Options:
     video: Address | None
     verbosity: int  # -1 quiet, 0, 1 verbose
     parameters: Mapping[str, str]  # PX4_PARAM_<NAME>
+    px4: Px4Options | None  # None: the emulated autopilot flies
+    prints_px4_environment: bool
 
     @property
     def system(self) -> int:
@@ -110,6 +113,8 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
             for name, value in environment.items()
             if name.startswith(PARAMETER_PREFIX)
         },
+        px4=read_px4(given),
+        prints_px4_environment=given.px4_environment,
     )
 
 
@@ -125,6 +130,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_conditions(parser)
     _add_time(parser)
     _add_connections(parser)
+    add_px4(parser)
     return parser
 
 

@@ -7,7 +7,7 @@ import dataclasses
 import math
 import sys
 
-import sitl.simulation
+import sitl.flown_vehicle
 from sitl.process.cli import main
 from sitl.world.airframe import Airframe, load_airframe
 
@@ -27,5 +27,5 @@ def load_draggy(name: str) -> Airframe:
 
 
 if __name__ == "__main__":
-    sitl.simulation.load_airframe = load_draggy
+    sitl.flown_vehicle.load_airframe = load_draggy
     sys.exit(main())

@@ -6,9 +6,10 @@ import math
 import numpy as np
 import pytest
 
+from sitl.flown_vehicle import SimulationConfig
 from sitl.records.conditions import read_conditions
 from sitl.records.vehicle import OffboardSetpoint
-from sitl.simulation import Simulation, SimulationConfig
+from sitl.simulation import Simulation
 
 HOVER = (0.0, 0.0, -3.0)
 

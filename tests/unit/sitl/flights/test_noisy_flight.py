@@ -5,9 +5,10 @@ from collections.abc import Iterator
 
 import pytest
 
+from sitl.flown_vehicle import SimulationConfig
 from sitl.records.vehicle import OffboardSetpoint
 from sitl.sensors.imu import SHAKEN_GYRO_STD_RAD_S
-from sitl.simulation import Simulation, SimulationConfig
+from sitl.simulation import Simulation
 
 HOVER = (0.0, 0.0, -3.0)
 

@@ -18,11 +18,12 @@ from typing import NamedTuple
 import pytest
 
 from sitl.clock import Schedule
+from sitl.flown_vehicle import SimulationConfig
 from sitl.records.conditions import Conditions
 from sitl.records.motion import Vector3
 from sitl.records.sensing import Estimate
 from sitl.records.vehicle import OffboardSetpoint
-from sitl.simulation import Simulation, SimulationConfig
+from sitl.simulation import Simulation
 
 WIDER = 0.15
 RUNS = 5

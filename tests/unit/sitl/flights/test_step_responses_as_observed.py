@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-import sitl.simulation
+import sitl.flown_vehicle
 from sitl.records.conditions import Conditions, EstimateErrors
 from sitl.records.motion import Vector3
 from tests.unit.sitl.flights.sih_airframe import load_sih
@@ -118,7 +118,7 @@ FIGURES = [
 @pytest.fixture(scope="module")
 def runs() -> Iterator[Runs]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sitl.simulation, "load_airframe", load_sih)
+        patch.setattr(sitl.flown_vehicle, "load_airframe", load_sih)
         steps = dict.fromkeys(SMALL + LARGE + UP + DOWN)
         yield {step: [fly(seed, step) for seed in range(SEEDS)] for step in steps}
 

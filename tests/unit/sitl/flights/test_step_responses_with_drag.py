@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import pytest
 
-import sitl.simulation
+import sitl.flown_vehicle
 from tests.unit.sitl.flights.test_step_responses import WIDER, Run, respond
 from tests.wire.offboard.draggy_vehicle import load_draggy
 
@@ -55,7 +55,7 @@ STEPS = {
 
 @pytest.fixture
 def runs(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Run]]:
-    monkeypatch.setattr(sitl.simulation, "load_airframe", load_draggy)
+    monkeypatch.setattr(sitl.flown_vehicle, "load_airframe", load_draggy)
     made = [Run(seed) for seed in range(RUNS)]
     yield made
     for run in made:

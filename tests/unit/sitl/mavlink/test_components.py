@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sitl.mavlink.components.camera_component import CameraComponent, CameraFacts
-from sitl.mavlink.components.referee_component import RefereeComponent
+from sitl.mavlink.components.referee_component import RefereeComponent, flies_a_mission
 from sitl.mavlink.wire.dialect import mavlink
 from sitl.records.course import CourseEvent, CourseEventKind, CourseState, CourseStatus
 from sitl.records.images import Image
@@ -93,7 +93,7 @@ def test_a_passed_gate_is_an_item_reached_a_text_and_a_new_score() -> None:
 @pytest.mark.parametrize(("mode", "speaks"), [(Mode.MISSION, False), (Mode.OFFBOARD, True)])
 def test_nobody_takes_the_score_for_the_progress_of_a_mission(mode: Mode, speaks: bool) -> None:  # noqa: FBT001
     vehicle = FakeVehicle()
-    referee = RefereeComponent(vehicle)
+    referee = RefereeComponent(vehicle, lambda: flies_a_mission(vehicle.autopilot))
     assert [m.get_type() for m in referee.scores()] == ["MISSION_CURRENT"]
     vehicle.autopilot.missions.progress = MissionProgress(0, 3, MissionState.ACTIVE, speaks)
     vehicle.autopilot.change(intended_mode=mode)

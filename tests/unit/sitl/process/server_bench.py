@@ -12,6 +12,7 @@ from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.links.udp_link import LinkConfig, UdpLink
 from sitl.mavlink.wire.dialect import mavlink
 from sitl.mavlink.wire.packets import Received, pack, split, wrap
+from sitl.process.lockstep import Lockstep
 from sitl.process.server import Server
 from sitl.process.streams.camera_stream import CameraStream
 from sitl.records.images import Image, ImageStamp
@@ -118,7 +119,7 @@ class Bench:
             links,
             self.stream,
             speed_factor=speed_factor,
-            lockstep=lockstep,
+            lockstep=Lockstep() if lockstep else None,
             clock=self.clock,
         )
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import pytest
 
 from scripts.bench.hostile_datagrams import Generator
+from sitl.flown_vehicle import SimulationConfig
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.links.link import Guard
 from sitl.mavlink.servers.files.storage import Storage
@@ -13,7 +14,7 @@ from sitl.mavlink.wire.dialect import mavlink
 from sitl.mavlink.wire.packets import pack, wrap
 from sitl.mavlink.wire.signing import Signing
 from sitl.records.modes import Mode
-from sitl.simulation import Simulation, SimulationConfig
+from sitl.simulation import Simulation
 from tests.unit.sitl.mavlink.bench import FACTS, Peer, handle, link_to
 
 KEY = bytes(range(1, 33))

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from sitl.flown_vehicle import SimulationConfig
 from sitl.records.failures import SUPPORTED, Failure, FailureType, FailureUnit
 from sitl.records.modes import Mode
 from sitl.records.vehicle import Command, OffboardSetpoint
 from sitl.sensors.breakage import Breakage
-from sitl.simulation import Simulation, SimulationConfig
+from sitl.simulation import Simulation
 
 NAN = math.nan
 ACCEPTED, DENIED, UNSUPPORTED = 0, 2, 3
