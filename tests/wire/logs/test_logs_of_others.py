@@ -89,8 +89,8 @@ def test_logs_of_mavproxy_read_as_pymavlink_reads_them(tmp_path: Path) -> None:
     assert not log.damage.regions or log.damage.is_cut
     stream = read(raw)
     assert not stream.damage.has_times
-    times = [table["ATTITUDE"]["time_boot_ms"] for table in (log, stream)]
-    both, ours, theirs = np.intersect1d(*times, assume_unique=True, return_indices=True)
+    first, second = (table["ATTITUDE"]["time_boot_ms"] for table in (log, stream))
+    both, ours, theirs = np.intersect1d(first, second, assume_unique=True, return_indices=True)
     assert len(both) > 400  # MAVProxy begins and flushes the two at different times
     assert np.array_equal(log["ATTITUDE"]["yaw"][ours], stream["ATTITUDE"]["yaw"][theirs])
     assert np.all(np.diff(stream.time_us) >= 0)

@@ -2,11 +2,12 @@
 
 import itertools
 from collections.abc import Iterator
+from typing import Any
 
 import cv2
-import numpy as np
 import pytest
 
+from tests.pictures import decoded
 from tests.wire.stream_viewer import StreamViewer
 from tests.wire.vehicle_process import Vehicle, is_acknowledgement
 
@@ -45,7 +46,7 @@ def test_images_are_lossless_stamped_and_regular(uri: str) -> None:
     )
     for part in parts:
         assert part.content_type == "image/png"
-        image = cv2.imdecode(np.frombuffer(part.data, np.uint8), cv2.IMREAD_COLOR)
+        image = decoded(part.data)
         assert image.shape == (64, 64, 3)
         assert image.std() > 5.0  # it sees something
 
@@ -54,7 +55,7 @@ def test_each_image_was_announced_with_its_own_stamp(vehicle: Vehicle, uri: str)
     vehicle.api.forget()
     with StreamViewer(uri) as viewer:
         stamps = {part.time_us: part.sequence for part in (viewer.read() for _ in range(10))}
-    triggers = {}
+    triggers: dict[int, Any] = {}
     while not set(stamps) - set(list(stamps)[:1]) <= set(triggers):
         trigger = vehicle.api.wait_for("CAMERA_TRIGGER")
         assert trigger.get_srcComponent() == CAMERA

@@ -201,7 +201,7 @@ def test_a_step_over_the_wire(pilot: Pilot) -> None:
     ]
 
     def reach(share: float) -> float:
-        return next(seconds for seconds, speed in samples if speed >= share)
+        return next(float(seconds) for seconds, speed in samples if speed >= share)
 
     steady = [speed for seconds, speed in samples if seconds > 3.0]
     for value, (low, high) in (

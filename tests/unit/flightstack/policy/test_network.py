@@ -1,4 +1,5 @@
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -55,7 +56,7 @@ def test_log_variance_stays_in_bounds_for_absurd_latents() -> None:
 
 def test_nll_is_torchs_own_up_to_its_constant() -> None:
     mean, logvar, target = torch.randn(3, 8, 4, generator=torch.Generator().manual_seed(0))
-    reference = -Normal(mean, torch.exp(0.5 * logvar)).log_prob(target)
+    reference = -Normal(mean, torch.exp(0.5 * logvar)).log_prob(target)  # type: ignore[no-untyped-call]  # of torch
     torch.testing.assert_close(
         gaussian_nll(mean, logvar, target) + 0.5 * math.log(2.0 * math.pi), reference
     )
@@ -131,6 +132,6 @@ def test_recalibration_scales_the_variance_alone() -> None:
         ({"best_member": (0, 1, 2, 5)}, "best_member needs 4 of the members"),
     ],
 )
-def test_policies_that_cannot_be_are_refused(values: dict, message: str) -> None:
+def test_policies_that_cannot_be_are_refused(values: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         PolicyConfig(**{"members": 5, "probabilistic": True, **values})

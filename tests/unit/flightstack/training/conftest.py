@@ -31,7 +31,9 @@ def draw_square(range_m: float, azimuth: float, elevation: float, yaw: float) ->
     return rgb
 
 
-def make_dataset(names: tuple[str, ...], labels: NDArray[np.float32], poses: NDArray) -> Dataset:
+def make_dataset(
+    names: tuple[str, ...], labels: NDArray[np.float32], poses: NDArray[np.float32]
+) -> Dataset:
     images = np.stack([draw_square(*pose) for pose in poses])
     train = round(0.8 * len(images))
     return Dataset(

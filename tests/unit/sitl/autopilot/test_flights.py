@@ -1,11 +1,15 @@
 """Whole flights, against what a real PX4 was seen doing."""
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
 from sitl.frames import yaw_of
 from sitl.records.modes import Mode
+from sitl.records.vehicle import VehicleStatus
+from tests.unit.sitl.autopilot.conftest import Flight
 
 NAN = math.nan
 ARM, TAKEOFF, LAND, RTL, REPOSITION = 400, 22, 21, 20, 192
@@ -14,11 +18,14 @@ ON_GROUND, IN_AIR, TAKING_OFF, LANDING = 1, 2, 3, 4
 ZERO = (0.0, 0.0, 0.0)
 
 
-def test_take_off_holds_at_its_altitude(flight):
+def test_take_off_holds_at_its_altitude(flight: Flight) -> None:
     flight.run(1.5)
     flight.command(ARM, 1.0)
     assert flight.command(TAKEOFF) == 0
-    status = lambda: flight.autopilot.status  # noqa: E731
+
+    def status() -> VehicleStatus:
+        return flight.autopilot.status
+
     lifted_s = flight.run_until(lambda: status().landed_state == TAKING_OFF, timeout_s=3.0)
     hovering_s = flight.run_until(lambda: status().landed_state == IN_AIR, timeout_s=10.0)
     assert lifted_s == pytest.approx(1.8, abs=0.4)  # PX4: 1.8 s after arming
@@ -34,7 +41,7 @@ def test_take_off_holds_at_its_altitude(flight):
     assert math.hypot(*flight.estimate.velocity_ned) < 0.02
 
 
-def test_take_off_says_what_px4_says(flight):
+def test_take_off_says_what_px4_says(flight: Flight) -> None:
     flight.take_off()
     assert flight.said == [
         "6:Ready for takeoff!",
@@ -44,12 +51,12 @@ def test_take_off_says_what_px4_says(flight):
     ]
 
 
-def test_take_off_altitude_is_above_mean_sea_level(flight):
+def test_take_off_altitude_is_above_mean_sea_level(flight: Flight) -> None:
     flight.take_off(altitude_m=6.0)
     assert flight.height_m == pytest.approx(6.0, abs=0.05)
 
 
-def test_landing_touches_down_disarms_and_falls_back_to_hold(flight):
+def test_landing_touches_down_disarms_and_falls_back_to_hold(flight: Flight) -> None:
     flight.take_off()
     flight.texts.clear()
     assert flight.command(LAND) == 0
@@ -71,7 +78,7 @@ def test_landing_touches_down_disarms_and_falls_back_to_hold(flight):
     ]
 
 
-def test_touch_down_is_gentle(flight):
+def test_touch_down_is_gentle(flight: Flight) -> None:
     flight.take_off()
     flight.command(LAND)
     fastest = 0.0
@@ -82,7 +89,7 @@ def test_touch_down_is_gentle(flight):
 
 
 @pytest.mark.parametrize("speed", [1.0, 5.0])
-def test_hold_stops_without_bouncing_back(flight, speed):
+def test_hold_stops_without_bouncing_back(flight: Flight, speed: float) -> None:
     flight.place((0.0, 0.0, -10.0))
     flight.send(velocity_ned=(0.0, speed, 0.0), yaw_rate_rad_s=0.0)
     flight.run(4.0)
@@ -96,7 +103,7 @@ def test_hold_stops_without_bouncing_back(flight, speed):
     assert flight.height_m == pytest.approx(10.0, abs=0.2)
 
 
-def test_hold_resists_wind(flight):
+def test_hold_resists_wind(flight: Flight) -> None:
     flight.place((0.0, 0.0, -10.0))
     flight.autopilot.set_mode(4, 3)
     flight.run(3.0)
@@ -107,7 +114,7 @@ def test_hold_resists_wind(flight):
     assert z == pytest.approx(-10.0, abs=0.1)
 
 
-def test_reposition_flies_to_a_place_and_stays(flight):
+def test_reposition_flies_to_a_place_and_stays(flight: Flight) -> None:
     flight.take_off()
     latitude, longitude = 47.397742 + math.degrees(20.0 / 6371000.0), 8.545594
     assert (
@@ -120,7 +127,7 @@ def test_reposition_flies_to_a_place_and_stays(flight):
     assert flight.command(REPOSITION, -1.0, 0.0) == 3
 
 
-def test_return_climbs_flies_home_lands_and_disarms(flight):
+def test_return_climbs_flies_home_lands_and_disarms(flight: Flight) -> None:
     flight.parameters.set("RTL_RETURN_ALT", 12.0)
     flight.place((15.0, -5.0, -6.0))
     assert flight.command(RTL) == 0
@@ -137,7 +144,7 @@ def test_return_climbs_flies_home_lands_and_disarms(flight):
     assert not flight.autopilot.status.armed
 
 
-def test_return_from_above_home_lands_without_climbing(flight):
+def test_return_from_above_home_lands_without_climbing(flight: Flight) -> None:
     flight.take_off()
     flight.command(RTL)
     highest = 0.0
@@ -147,7 +154,7 @@ def test_return_from_above_home_lands_without_climbing(flight):
     assert highest < 2.7
 
 
-def test_return_near_home_turns_before_it_descends(flight):
+def test_return_near_home_turns_before_it_descends(flight: Flight) -> None:
     """PX4 lands in the heading in which it stood at home."""
     flight.take_off(6.0)
     flight.command(REPOSITION, -1.0, 1.0, NAN, -math.pi / 2, NAN, NAN, NAN)
@@ -160,7 +167,7 @@ def test_return_near_home_turns_before_it_descends(flight):
     assert yaw(flight) == pytest.approx(0.0, abs=0.05)
 
 
-def test_return_with_a_heading_timeout_descends_while_it_turns(flight):
+def test_return_with_a_heading_timeout_descends_while_it_turns(flight: Flight) -> None:
     """PX4: with MIS_YAW_TMT, only forced headings are waited for, and a return forces none."""
     flight.parameters.set("MIS_YAW_TMT", 5.0)
     flight.take_off(6.0)
@@ -173,7 +180,7 @@ def test_return_with_a_heading_timeout_descends_while_it_turns(flight):
     assert yaw(flight) == pytest.approx(0.0, abs=0.05)
 
 
-def test_return_from_afar_turns_while_it_descends(flight):
+def test_return_from_afar_turns_while_it_descends(flight: Flight) -> None:
     flight.take_off(6.0)
     flight.command(REPOSITION, -1.0, 1.0, NAN, math.pi / 2, NORTH_DEG, LONGITUDE_DEG, 495.4)
     flight.run_until(lambda: flight.estimate.position_ned[0] > 14.0, timeout_s=15.0)
@@ -184,18 +191,21 @@ def test_return_from_afar_turns_while_it_descends(flight):
     assert yaw(flight) == pytest.approx(0.0, abs=0.1)
 
 
-def yaw(flight):
+def yaw(flight: Flight) -> float:
     return yaw_of(flight.estimate.q_ned_frd)
 
 
-def test_offboard_take_off_and_landing_by_velocity(flight):
+def test_offboard_take_off_and_landing_by_velocity(flight: Flight) -> None:
     flight.run(1.1)
     flight.send(velocity_ned=ZERO, yaw_rate_rad_s=0.0)
     flight.autopilot.set_mode(6, 0)
     flight.run(1.0)
     assert flight.command(ARM, 1.0) == 0
     flight.send(velocity_ned=(0.0, 0.0, -1.0), yaw_rate_rad_s=0.0)
-    status = lambda: flight.autopilot.status  # noqa: E731
+
+    def status() -> VehicleStatus:
+        return flight.autopilot.status
+
     lifted_s = flight.run_until(lambda: status().landed_state == IN_AIR, timeout_s=4.0)
     assert 1.0 < lifted_s < 2.0  # PX4: 2 s after arming, read from a stream of 5 Hz
     climbed_s = flight.run_until(lambda: flight.height_m > 5.0, timeout_s=10.0)
@@ -207,7 +217,7 @@ def test_offboard_take_off_and_landing_by_velocity(flight):
     assert status().mode is Mode.OFFBOARD
 
 
-def test_idle_in_offboard_stays_on_the_ground_and_disarms(flight):
+def test_idle_in_offboard_stays_on_the_ground_and_disarms(flight: Flight) -> None:
     flight.run(1.1)
     flight.send(velocity_ned=ZERO, yaw_rate_rad_s=0.0)
     flight.autopilot.set_mode(6, 0)
@@ -220,7 +230,7 @@ def test_idle_in_offboard_stays_on_the_ground_and_disarms(flight):
     assert flight.autopilot.status.mode is Mode.OFFBOARD
 
 
-def test_offboard_position_setpoint_is_reached(flight):
+def test_offboard_position_setpoint_is_reached(flight: Flight) -> None:
     flight.place((0.0, 0.0, -5.0))
     flight.send(position_ned=(5.0, 0.0, -8.0), yaw_rad=0.0)
     reached_s = flight.run_until(
@@ -231,7 +241,7 @@ def test_offboard_position_setpoint_is_reached(flight):
     assert math.dist(flight.estimate.position_ned, (5.0, 0.0, -8.0)) < 0.17  # PX4: 0.17..0.48
 
 
-def test_neither_yaw_nor_yaw_rate_holds_the_heading(flight):
+def test_neither_yaw_nor_yaw_rate_holds_the_heading(flight: Flight) -> None:
     flight.place((0.0, 0.0, -5.0), yaw_rad=1.0)
     flight.send(velocity_ned=(2.0, 0.0, 0.0))
     flight.run(4.0)
@@ -239,7 +249,7 @@ def test_neither_yaw_nor_yaw_rate_holds_the_heading(flight):
     assert flight.autopilot.setpoint_echo.yaw_rad == pytest.approx(1.0, abs=0.001)
 
 
-def test_yaw_setpoint_is_reached_without_drifting_off(flight):
+def test_yaw_setpoint_is_reached_without_drifting_off(flight: Flight) -> None:
     flight.place((0.0, 0.0, -5.0))
     flight.send(velocity_ned=ZERO, yaw_rad=math.radians(50.0))
     furthest = 0.0
@@ -251,7 +261,7 @@ def test_yaw_setpoint_is_reached_without_drifting_off(flight):
     assert math.hypot(*flight.estimate.position_ned[:2]) < 0.6
 
 
-def test_same_inputs_give_the_same_flight_to_the_last_bit(make_flight):
+def test_same_inputs_give_the_same_flight_to_the_last_bit(make_flight: Callable[..., Any]) -> None:
     paths = []
     for _ in range(2):
         flight, path = make_flight(), []
@@ -266,7 +276,7 @@ def test_same_inputs_give_the_same_flight_to_the_last_bit(make_flight):
     assert paths[0] == paths[1]
 
 
-def test_a_change_of_parameters_acts_in_flight(flight):
+def test_a_change_of_parameters_acts_in_flight(flight: Flight) -> None:
     flight.place((0.0, 0.0, -5.0))
     flight.send(velocity_ned=(0.0, 0.0, -3.0), yaw_rate_rad_s=0.0)
     flight.run(2.0)

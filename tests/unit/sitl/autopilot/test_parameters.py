@@ -13,40 +13,40 @@ def parameters() -> Parameters:
 
 
 @pytest.mark.parametrize("name", sorted(NEEDED))
-def test_has_what_ground_stations_ask_for(parameters, name):
+def test_has_what_ground_stations_ask_for(parameters: Parameters, name: str) -> None:
     assert name in parameters
 
 
 @pytest.mark.parametrize("name", sorted(name for name in NEEDED if name.endswith("_ID")))
-def test_calibration_looks_done(parameters, name):
+def test_calibration_looks_done(parameters: Parameters, name: str) -> None:
     assert parameters.get(name) != 0
 
 
 @pytest.mark.parametrize(("name", "value"), list(DEFAULTS.items()))
-def test_defaults_are_those_of_px4(parameters, name, value):
+def test_defaults_are_those_of_px4(parameters: Parameters, name: str, value: float) -> None:
     assert parameters.get(name) == pytest.approx(value, rel=1e-7)
     kind = ParameterType.INT32 if isinstance(value, int) else ParameterType.REAL32
     assert parameters.type_of(name) is kind
 
 
-def test_every_default_lies_in_its_range(parameters):
+def test_every_default_lies_in_its_range(parameters: Parameters) -> None:
     for name in parameters.names():
         spec = parameters.specification(name)
         assert spec.minimum <= spec.default <= spec.maximum, name
 
 
-def test_names_fit_the_wire_and_are_sorted(parameters):
+def test_names_fit_the_wire_and_are_sorted(parameters: Parameters) -> None:
     names = parameters.names()
     assert names == sorted(names)
     assert all(len(name) <= 16 for name in names)
 
 
-def test_decimals_are_stored_in_single_precision(parameters):
+def test_decimals_are_stored_in_single_precision(parameters: Parameters) -> None:
     parameters.set("MPC_XY_P", 0.3)
     assert parameters.get("MPC_XY_P") == struct.unpack("<f", struct.pack("<f", 0.3))[0]
 
 
-def test_limits_themselves_are_allowed(parameters):
+def test_limits_themselves_are_allowed(parameters: Parameters) -> None:
     parameters.set("MPC_THR_HOVER", 0.8)
     parameters.set("MPC_THR_HOVER", 0.1)
     assert parameters.get("MPC_THR_HOVER") == pytest.approx(0.1)
@@ -63,14 +63,16 @@ def test_limits_themselves_are_allowed(parameters):
         ("NO_SUCH_NAME", 1.0, "unknown"),
     ],
 )
-def test_what_is_not_allowed_is_refused_and_changes_nothing(parameters, name, value, complaint):
+def test_what_is_not_allowed_is_refused_and_changes_nothing(
+    parameters: Parameters, name: str, value: float, complaint: str
+) -> None:
     before = parameters.values
     with pytest.raises(UsageError, match=f"^parameter {name}: {complaint}$"):
         parameters.set(name, value)
     assert parameters.values is before
 
 
-def test_text_as_from_the_environment(parameters):
+def test_text_as_from_the_environment(parameters: Parameters) -> None:
     parameters.set_from_text("COM_OBL_RC_ACT", "5")
     assert parameters.get("COM_OBL_RC_ACT") == 5
     assert isinstance(parameters.get("COM_OBL_RC_ACT"), int)
@@ -78,7 +80,7 @@ def test_text_as_from_the_environment(parameters):
         parameters.set_from_text("COM_OBL_RC_ACT", "five")
 
 
-def test_a_change_makes_another_table_and_leaves_the_old_one(parameters):
+def test_a_change_makes_another_table_and_leaves_the_old_one(parameters: Parameters) -> None:
     before = parameters.values
     parameters.set("MPC_XY_P", 0.95)
     assert parameters.values is before
@@ -88,7 +90,7 @@ def test_a_change_makes_another_table_and_leaves_the_old_one(parameters):
     assert {**parameters.values, "MPC_XY_P": before["MPC_XY_P"]} == before
 
 
-def test_an_airframe_may_change_defaults():
+def test_an_airframe_may_change_defaults() -> None:
     parameters = Parameters({"MPC_THR_HOVER": 0.6, "SYS_AUTOSTART": 4001})
     assert parameters.get("MPC_THR_HOVER") == pytest.approx(0.6)
     assert parameters.get("SYS_AUTOSTART") == 4001

@@ -1,6 +1,7 @@
 """Take-off stages, land detector, hover thrust, return height, setpoint stream."""
 
 import math
+from typing import Any
 
 import pytest
 
@@ -22,7 +23,7 @@ def parameters() -> Parameters:
     return Parameters()
 
 
-def estimate(time_us: int, velocity=ZERO) -> Estimate:
+def estimate(time_us: int, velocity: tuple[float, float, float] = ZERO) -> Estimate:
     return Estimate(
         time_us=time_us,
         position_ned=ZERO,
@@ -36,7 +37,7 @@ def estimate(time_us: int, velocity=ZERO) -> Estimate:
     )
 
 
-def test_take_off_spools_up_waits_ramps_and_flies(parameters):
+def test_take_off_spools_up_waits_ramps_and_flies(parameters: Parameters) -> None:
     takeoff = Takeoff(TakeoffParameters.resolve(parameters.values))
 
     def stage_at(time_s: float, *, climb: bool) -> TakeoffStage:
@@ -61,7 +62,7 @@ def test_take_off_spools_up_waits_ramps_and_flies(parameters):
     assert disarmed is TakeoffStage.DISARMED
 
 
-def test_landing_is_believed_in_steps_and_flight_at_once(parameters):
+def test_landing_is_believed_in_steps_and_flight_at_once(parameters: Parameters) -> None:
     detector = LandDetector(LandDetectorParameters.resolve(parameters.values))
     detector.start_airborne()
     times = [round(4000 * tick) for tick in range(1, 300)]
@@ -83,7 +84,9 @@ def test_landing_is_believed_in_steps_and_flight_at_once(parameters):
         (ZERO, 0.1, False),  # nobody wants to go down
     ],
 )
-def test_flying_is_not_mistaken_for_standing(parameters, velocity, thrust, descending):
+def test_flying_is_not_mistaken_for_standing(
+    parameters: Parameters, velocity: tuple[float, float, float], thrust: float, *, descending: bool
+) -> None:
     detector = LandDetector(LandDetectorParameters.resolve(parameters.values))
     detector.start_airborne()
     for tick in range(1, 1000):
@@ -92,7 +95,7 @@ def test_flying_is_not_mistaken_for_standing(parameters, velocity, thrust, desce
 
 
 @pytest.mark.parametrize("true_hover", [0.35, 0.5, 0.7])
-def test_hover_thrust_is_learnt(parameters, true_hover):
+def test_hover_thrust_is_learnt(parameters: Parameters, true_hover: float) -> None:
     settings = HoverThrustParameters.resolve(parameters.values)
     hover = HoverThrust(settings)
     for tick in range(2500):
@@ -101,7 +104,7 @@ def test_hover_thrust_is_learnt(parameters, true_hover):
     assert hover.value == pytest.approx(true_hover, rel=0.01)
 
 
-def test_hover_thrust_is_not_learnt_when_told_not_to(parameters):
+def test_hover_thrust_is_not_learnt_when_told_not_to(parameters: Parameters) -> None:
     parameters.set("MPC_USE_HTE", 0)
     settings = HoverThrustParameters.resolve(parameters.values)
     hover = HoverThrust(settings)
@@ -122,13 +125,15 @@ def test_hover_thrust_is_not_learnt_when_told_not_to(parameters):
         (50.0, 40.0, 40.0),
     ],
 )
-def test_return_height(parameters, north_m, height_m, expected_m):
+def test_return_height(
+    parameters: Parameters, north_m: float, height_m: float, expected_m: float
+) -> None:
     resolved = ReturnParameters.resolve(parameters.values)
     way = ReturnHome.start((north_m, 0.0, -height_m), ZERO, NAN, resolved)
     assert way.height_m == pytest.approx(expected_m)
 
 
-def test_return_waits_above_home_as_long_as_it_is_told(parameters):
+def test_return_waits_above_home_as_long_as_it_is_told(parameters: Parameters) -> None:
     parameters.set("RTL_LAND_DELAY", 5.0)
     resolved = ReturnParameters.resolve(parameters.values)
     way, phases = ReturnHome.start((0.0, 0.0, -5.0), ZERO, NAN, resolved), []
@@ -140,7 +145,7 @@ def test_return_waits_above_home_as_long_as_it_is_told(parameters):
     assert way.advance(10**9, (0.0, 0.0, -5.0), 0.0, resolved) is way
 
 
-def test_return_from_near_home_waits_for_the_heading_at_home(parameters):
+def test_return_from_near_home_waits_for_the_heading_at_home(parameters: Parameters) -> None:
     resolved = ReturnParameters.resolve(parameters.values)
     way, phases = ReturnHome.start((3.0, 0.0, -6.0), ZERO, math.pi, resolved), []
     for angle in (-90.0, -100.0, -167.0, -169.0, -179.0):
@@ -150,7 +155,7 @@ def test_return_from_near_home_waits_for_the_heading_at_home(parameters):
     assert way.yaw_rad == math.pi
 
 
-def test_a_bad_setpoint_leaves_the_last_good_one_for_200_ms(parameters):
+def test_a_bad_setpoint_leaves_the_last_good_one_for_200_ms(parameters: Parameters) -> None:
     stream = OffboardStream(OffboardParameters.resolve(parameters.values))
     stream.receive(OffboardSetpoint(time_us=0, velocity_ned=(1.0, 0.0, 0.0), yaw_rate_rad_s=0.0))
     stream.receive(OffboardSetpoint(time_us=50_000, velocity_ned=(NAN, 0.0, 0.0)))
@@ -169,13 +174,15 @@ def test_a_bad_setpoint_leaves_the_last_good_one_for_200_ms(parameters):
         {},
     ],
 )
-def test_setpoints_that_leave_an_axis_open_stop_the_vehicle(parameters, setpoint):
+def test_setpoints_that_leave_an_axis_open_stop_the_vehicle(
+    parameters: Parameters, setpoint: dict[Any, Any] | dict[str, tuple[float, float, float]]
+) -> None:
     stream = OffboardStream(OffboardParameters.resolve(parameters.values))
     stream.receive(OffboardSetpoint(time_us=0, **setpoint))
     assert stream.setpoint(300_000, 0.0).velocity_ned == ZERO
 
 
-def test_velocity_with_a_height_is_complete(parameters):
+def test_velocity_with_a_height_is_complete(parameters: Parameters) -> None:
     stream = OffboardStream(OffboardParameters.resolve(parameters.values))
     stream.receive(
         OffboardSetpoint(
@@ -185,7 +192,7 @@ def test_velocity_with_a_height_is_complete(parameters):
     assert stream.setpoint(300_000, 0.0).position_ned[2] == -5.0
 
 
-def test_heading_is_held_from_the_moment_nobody_asks_for_one(parameters):
+def test_heading_is_held_from_the_moment_nobody_asks_for_one(parameters: Parameters) -> None:
     stream = OffboardStream(OffboardParameters.resolve(parameters.values))
     stream.receive(OffboardSetpoint(time_us=0, velocity_ned=ZERO))
     assert stream.setpoint(0, 0.4).yaw_rad == 0.4
@@ -195,7 +202,7 @@ def test_heading_is_held_from_the_moment_nobody_asks_for_one(parameters):
     assert math.isnan(stream.setpoint(12000, 0.9).yaw_rad)
 
 
-def test_climbing_setpoints_ask_for_a_take_off(parameters):
+def test_climbing_setpoints_ask_for_a_take_off(parameters: Parameters) -> None:
     stream = OffboardStream(OffboardParameters.resolve(parameters.values))
     assert not stream.wants_climb(0, 0.0)
     stream.receive(OffboardSetpoint(time_us=0, velocity_ned=(0.0, 0.0, -0.5), yaw_rad=0.0))

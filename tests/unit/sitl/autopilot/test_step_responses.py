@@ -6,11 +6,13 @@ The bands were measured on PX4 1.17's SIH quadrotor with a drag of 0.1 N/(m/s) p
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
 from sitl.records.motion import Vector3
 from sitl.records.sensing import Estimate
+from tests.unit.sitl.autopilot.conftest import Flight
 
 WIDER = 0.15
 PRE_STREAM_S = 1.008  # a whole number of ticks, and of setpoints
@@ -21,7 +23,11 @@ def band(low: float, high: float) -> tuple[float, float]:
 
 
 def step_response(
-    flight, velocity_ned: Vector3, yaw_rate_rad_s: float, seconds: float, speed: Callable
+    flight: Flight,
+    velocity_ned: Vector3,
+    yaw_rate_rad_s: float,
+    seconds: float,
+    speed: Callable[..., Any],
 ) -> tuple[list[float], list[float]]:
     """Times (s) and speeds as a share of the step, from a hover at 10 m."""
     flight.place((0.0, 0.0, -10.0))
@@ -51,7 +57,7 @@ def assert_within(value: float, limits: tuple[float, float]) -> None:
 
 @pytest.mark.parametrize("speed", [1.0, 2.0])
 @pytest.mark.parametrize("heading_rad", [0.0, 2.0])
-def test_horizontal_step(flight, speed, heading_rad):
+def test_horizontal_step(flight: Flight, speed: float, heading_rad: float) -> None:
     cos, sin = math.cos(heading_rad), math.sin(heading_rad)
 
     def share(estimate: Estimate) -> float:
@@ -67,7 +73,7 @@ def test_horizontal_step(flight, speed, heading_rad):
 
 
 @pytest.mark.parametrize("velocity_down", [-1.0, -2.0, 1.0])
-def test_vertical_step(flight, velocity_down):
+def test_vertical_step(flight: Flight, velocity_down: float) -> None:
     times, shares = step_response(
         flight,
         (0.0, 0.0, velocity_down),
@@ -81,7 +87,7 @@ def test_vertical_step(flight, velocity_down):
 
 
 @pytest.mark.parametrize("yaw_rate", [0.5, -0.5])
-def test_yaw_rate_step(flight, yaw_rate):
+def test_yaw_rate_step(flight: Flight, yaw_rate: float) -> None:
     times, shares = step_response(
         flight,
         (0.0, 0.0, 0.0),
@@ -95,7 +101,7 @@ def test_yaw_rate_step(flight, yaw_rate):
     assert_within(turned_deg, band(94.0, 96.0))
 
 
-def test_speed_is_limited_to_the_parameter(flight):
+def test_speed_is_limited_to_the_parameter(flight: Flight) -> None:
     flight.parameters.set("MPC_XY_VEL_MAX", 5.0)
     times, speeds = step_response(
         flight, (20.0, 0.0, 0.0), 0.0, 8.0, lambda estimate: estimate.velocity_ned[0]
@@ -104,7 +110,7 @@ def test_speed_is_limited_to_the_parameter(flight):
     assert flight.autopilot.setpoint_echo.velocity_ned[0] == 5.0
 
 
-def test_forward_velocity_with_yaw_rate_holds_height(flight):
+def test_forward_velocity_with_yaw_rate_holds_height(flight: Flight) -> None:
     flight.place((0.0, 0.0, -10.0))
     for _ in range(20):
         yaw = flight.autopilot.yaw_rad

@@ -2,12 +2,16 @@
 
 import itertools
 import math
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from sitl.flown_vehicle import SimulationConfig
 from sitl.records.conditions import read_conditions
+from sitl.records.images import Image
 from sitl.records.vehicle import OffboardSetpoint
 from sitl.simulation import Simulation
 
@@ -15,10 +19,10 @@ HOVER = (0.0, 0.0, -3.0)
 
 
 @pytest.fixture
-def make():
+def make() -> Iterator[Callable[..., Any]]:
     made: list[Simulation] = []
 
-    def build(*changes: str, **config) -> Simulation:
+    def build(*changes: str, **config: Any) -> Simulation:
         made.append(
             Simulation(SimulationConfig(conditions=read_conditions(None, changes), **config))
         )
@@ -30,7 +34,9 @@ def make():
         simulation.close()
 
 
-def hover(simulation, seconds):
+def hover(
+    simulation: Simulation, seconds: float
+) -> tuple[list[tuple[int, Image]], list[tuple[float, float, float]]]:
     """Hold a place; the images, each with the time at which it came out, and the places."""
     images, places = [], []
     for tick in range(round(seconds * 250)):
@@ -47,11 +53,13 @@ def hover(simulation, seconds):
     return images, places
 
 
-def pictures(images):
+def pictures(images: list[tuple[int, Image]]) -> NDArray[np.uint8]:
     return np.stack([image.rgb for _, image in images])
 
 
-def test_a_late_camera_gives_the_same_pictures_with_the_same_stamps_later(make):
+def test_a_late_camera_gives_the_same_pictures_with_the_same_stamps_later(
+    make: Callable[..., Any],
+) -> None:
     punctual, _ = hover(make(), 1.0)
     late, _ = hover(make("camera.latency_s=0.1"), 1.1)
     assert [(f.time_us, f.sequence) for _, f in late] == [
@@ -62,7 +70,7 @@ def test_a_late_camera_gives_the_same_pictures_with_the_same_stamps_later(make):
     assert {came_us - image.time_us for came_us, image in late[1:]} == {100_000}
 
 
-def test_a_mean_wind_pushes_and_the_autopilot_holds_against_it(make):
+def test_a_mean_wind_pushes_and_the_autopilot_holds_against_it(make: Callable[..., Any]) -> None:
     _, calm = hover(make(perfect_estimate=True), 6.0)
     _, windy = hover(make("wind.mean_ned_m_s=[0, 5, 0]", perfect_estimate=True), 6.0)
     assert max(east for _, east, _ in calm) < 0.02
@@ -70,14 +78,16 @@ def test_a_mean_wind_pushes_and_the_autopilot_holds_against_it(make):
     assert abs(windy[-1][1]) < 0.2
 
 
-def test_gusts_come_by_the_seed(make):
+def test_gusts_come_by_the_seed(make: Callable[..., Any]) -> None:
     gusts = ("wind.gust_std_m_s=2.0",)
     first, again, other = (hover(make(*gusts, seed=seed), 1.0)[1][-1] for seed in (3, 3, 4))
     assert first == again
     assert math.dist(first, other) > 1e-3
 
 
-def test_frozen_images_repeat_the_picture_before_and_keep_their_own_stamps(make):
+def test_frozen_images_repeat_the_picture_before_and_keep_their_own_stamps(
+    make: Callable[..., Any],
+) -> None:
     images, _ = hover(make("camera.frozen_frame_share=0.5"), 4.0)
     shown = pictures(images)
     repeated = [np.array_equal(a, b) for a, b in itertools.pairwise(shown)]
@@ -86,7 +96,7 @@ def test_frozen_images_repeat_the_picture_before_and_keep_their_own_stamps(make)
     assert len(set(stamps)) == len(stamps) == 80
 
 
-def test_pixel_noise_has_the_size_it_says(make):
+def test_pixel_noise_has_the_size_it_says(make: Callable[..., Any]) -> None:
     clear, noisy = (
         pictures(hover(make(*changes), 0.2)[0]).astype(float)
         for changes in ((), ("camera.noise_std_levels=10",))
@@ -97,7 +107,7 @@ def test_pixel_noise_has_the_size_it_says(make):
     assert abs(np.mean(difference)) < 0.5
 
 
-def test_blur_takes_edges_away_and_keeps_the_light(make):
+def test_blur_takes_edges_away_and_keeps_the_light(make: Callable[..., Any]) -> None:
     clear, blurred = (
         pictures(hover(make(*changes), 0.1)[0]).astype(float)
         for changes in ((), ("camera.blur_std_px=2",))
@@ -107,7 +117,7 @@ def test_blur_takes_edges_away_and_keeps_the_light(make):
     assert blurred.mean() == pytest.approx(clear.mean(), abs=1.0)
 
 
-def test_darkness_leaves_its_share_of_the_light(make):
+def test_darkness_leaves_its_share_of_the_light(make: Callable[..., Any]) -> None:
     bright, dark = (
         pictures(hover(make(*changes), 0.1)[0]).astype(float)
         for changes in ((), ("light.daylight_share=0.1",))
@@ -115,8 +125,8 @@ def test_darkness_leaves_its_share_of_the_light(make):
     assert dark.mean() == pytest.approx(0.1 * bright.mean(), rel=0.05)
 
 
-def test_fog_takes_contrast_with_the_distance(make):
-    def contrast(*changes):
+def test_fog_takes_contrast_with_the_distance(make: Callable[..., Any]) -> None:
+    def contrast(*changes: str) -> list[np.float64]:
         simulation = make(*changes)
         gate = simulation.track.gates[0]
         seen = []
@@ -140,7 +150,9 @@ def test_fog_takes_contrast_with_the_distance(make):
 
 
 @pytest.mark.parametrize(("direction", "inwards_m"), [("cw", 2.4), ("ccw", 2.4), ("cw", -2.4)])
-def test_a_second_gate_stands_beside_each_and_does_not_count(make, direction, inwards_m):
+def test_a_second_gate_stands_beside_each_and_does_not_count(
+    make: Callable[..., Any], direction: str, inwards_m: float
+) -> None:
     simulation = make(f"course.decoy_inwards_m={inwards_m}", direction=direction)
     plain = make(direction=direction)
     assert simulation.track.gates == plain.track.gates

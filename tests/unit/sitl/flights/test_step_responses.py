@@ -12,8 +12,8 @@ greater is the limit. The medians of a few runs have to lie inside.
 
 import math
 import statistics
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -31,8 +31,22 @@ ZERO: Vector3 = (0.0, 0.0, 0.0)
 FINE_DAY = Conditions()
 
 
+class Figures(NamedTuple):
+    """What was measured of a step: seconds, shares of the step, degrees."""
+
+    t10_s: float
+    t63_s: float
+    t90_s: float
+    rise_s: float
+    overshoot: float
+    steady: float
+    tilt_deg: float
+    stop_s: float
+    turned_deg: float
+
+
 class Bands(NamedTuple):
-    """Seconds, shares of the step, degrees."""
+    """Where such figures should lie."""
 
     t10_s: tuple[float, float]
     t63_s: tuple[float, float]
@@ -80,9 +94,12 @@ class Run:
         self.simulation.start_airborne((0.0, 0.0, -10.0), 0.0)
         self._setpoints, self._samples = Schedule(20), Schedule(50)
 
-    def stream(self, forward_right_down: Vector3, yaw_rate: float, seconds: float) -> list:
+    def stream(
+        self, forward_right_down: Vector3, yaw_rate: float, seconds: float
+    ) -> list[Estimate]:
         """Steer, and give the estimates at 50 Hz."""
-        simulation, samples = self.simulation, []
+        simulation = self.simulation
+        samples: list[Estimate] = []
         forward, right, down = forward_right_down
         end_us = simulation.time_us + round(seconds * 1e6)
         while simulation.time_us < end_us:
@@ -102,7 +119,7 @@ class Run:
 
 
 @pytest.fixture
-def make_run() -> Iterator:
+def make_run() -> Iterator[Callable[..., Run]]:
     made: list[Run] = []
 
     def make(seed: int) -> Run:
@@ -126,7 +143,7 @@ def tilt_deg(estimate: Estimate) -> float:
 
 def respond(
     run: Run, step: Vector3, yaw_rate: float, seconds: float, stopping_s: float = 2.0
-) -> Bands:
+) -> Figures:
     """Measure one step; the figures, in the order of the bands."""
     run.stream(ZERO, 0.0, 2.0)
     heading, start_us = run.simulation.autopilot.yaw_rad, run.simulation.time_us
@@ -139,7 +156,7 @@ def respond(
         body = (forward, right, estimate.velocity_ned[2])
         return sum(a * b for a, b in zip(body, step, strict=True)) / size**2
 
-    def first(samples: list, since_us: int, is_there) -> float:
+    def first(samples: list[Estimate], since_us: int, is_there: Callable[..., Any]) -> float:
         return next(((e.time_us - since_us) / 1e6 for e in samples if is_there(share(e))), math.inf)
 
     samples = run.stream(step, yaw_rate, seconds)
@@ -150,7 +167,7 @@ def respond(
     )
     back_us = run.simulation.time_us
     stopping = run.stream(ZERO, 0.0, stopping_s)
-    return Bands(
+    return Figures(
         t10,
         t63,
         t90,
@@ -164,7 +181,7 @@ def respond(
 
 
 @pytest.mark.parametrize("name", STEPS)
-def test_a_step_is_answered_as_px4_does(make_run, name):
+def test_a_step_is_answered_as_px4_does(make_run: Callable[..., Any], name: str) -> None:
     step, yaw_rate, seconds, bands = STEPS[name]
     runs = [respond(make_run(seed), step, yaw_rate, seconds) for seed in range(RUNS)]
     for figure, values in zip(Bands._fields, zip(*runs, strict=True), strict=True):
@@ -173,7 +190,7 @@ def test_a_step_is_answered_as_px4_does(make_run, name):
         assert low * (1.0 - WIDER) <= median <= high * (1.0 + WIDER), (figure, values)
 
 
-def test_a_yaw_step_hardly_overshoots_nor_drifts(make_run):
+def test_a_yaw_step_hardly_overshoots_nor_drifts(make_run: Callable[..., Any]) -> None:
     """PX4: nothing seen beyond 3 deg over a step of 50 deg, a drift of 0.3 to 0.6 m."""
     run = make_run(1)
     simulation, wanted = run.simulation, math.radians(50.0)

@@ -24,7 +24,7 @@ import sitl.flown_vehicle
 from sitl.records.conditions import Conditions, EstimateErrors
 from sitl.records.motion import Vector3
 from tests.unit.sitl.flights.sih_airframe import load_sih
-from tests.unit.sitl.flights.test_step_responses import Bands, Run, respond
+from tests.unit.sitl.flights.test_step_responses import Figures, Run, respond
 
 SHAKEN = Conditions(estimate=EstimateErrors(rotor_noise_share=1.0))
 SEEDS, DRAWS, CENTRAL = 12, 5000, (0.025, 0.975)
@@ -32,7 +32,7 @@ FINENESS = {"overshoot": 0.005, "steady": 0.005, "tilt_deg": 0.25}  # how finely
 SAMPLE_S = 0.02
 ROUNDING = 1e-9
 Spread = tuple[float, float]  # least and greatest
-Runs = dict[Vector3, list[Bands]]
+Runs = dict[Vector3, list[Figures]]
 
 SMALL: tuple[Vector3, ...] = ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
 LARGE: tuple[Vector3, ...] = ((2.0, 0.0, 0.0), (-2.0, 0.0, 0.0), (0.0, 2.0, 0.0), (0.0, -2.0, 0.0))
@@ -44,7 +44,7 @@ class Row(NamedTuple):
     """The steps (m/s forward, right, down) that were flown, one run each, and what was seen."""
 
     steps: tuple[Vector3, ...]  # assumption: each direction as often as the others
-    medians: dict[str, float]  # by the names of Bands
+    medians: dict[str, float]  # by the names of Figures
     spreads: dict[str, Spread]
 
 
@@ -123,7 +123,7 @@ def runs() -> Iterator[Runs]:
         yield {step: [fly(seed, step) for seed in range(SEEDS)] for step in steps}
 
 
-def fly(seed: int, step: Vector3) -> Bands:
+def fly(seed: int, step: Vector3) -> Figures:
     run = Run(seed, SHAKEN)
     try:
         return respond(run, step, 0.0, 3.0 if step[2] else 4.0)

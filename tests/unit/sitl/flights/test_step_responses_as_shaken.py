@@ -18,7 +18,7 @@ import pytest
 
 from sitl.records.conditions import Conditions, EstimateErrors
 from sitl.records.motion import Vector3
-from tests.unit.sitl.flights.test_step_responses import WIDER, Bands, Run, respond
+from tests.unit.sitl.flights.test_step_responses import WIDER, Figures, Run, respond
 
 SHAKEN = Conditions(estimate=EstimateErrors(rotor_noise_share=1.0))
 SEEDS = 5
@@ -31,7 +31,7 @@ class Row(NamedTuple):
 
     steps: tuple[Vector3, ...]
     seconds: float
-    seen: dict[str, Range]  # by the names of Bands
+    seen: dict[str, Range]  # by the names of Figures
 
 
 ROWS = {
@@ -93,14 +93,16 @@ def row(request: pytest.FixtureRequest) -> Row:
 
 
 @pytest.fixture
-def measured(row: Row) -> Iterator[list[Bands]]:
+def measured(row: Row) -> Iterator[list[Figures]]:
     runs = [(Run(seed, SHAKEN), step) for step in row.steps for seed in range(SEEDS)]
     yield [respond(run, step, 0.0, row.seconds) for run, step in runs]
     for run, _ in runs:
         run.simulation.close()
 
 
-def test_a_shaken_step_is_answered_and_scatters_as_px4s_do(row: Row, measured: list[Bands]) -> None:
+def test_a_shaken_step_is_answered_and_scatters_as_px4s_do(
+    row: Row, measured: list[Figures]
+) -> None:
     for figure, (low, high) in row.seen.items():
         values = [getattr(bands, figure) for bands in measured]
         rounding = SHARE_ROUNDING if figure == "overshoot" else 0.0

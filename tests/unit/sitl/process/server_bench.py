@@ -145,7 +145,7 @@ class Bench:
             handled.append((self.simulation.time_us, asked.command))
             return command(asked)
 
-        self.simulation.autopilot.command = note  # type: ignore[method-assign]
+        self.simulation.autopilot.command = note  # type: ignore[method-assign, assignment]
         return handled
 
     def received(self) -> list[Any]:

@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sitl.mavlink.servers.missions.mission_server import MissionServer
+from sitl.mavlink.vehicle import SimulatedVehicle
 from sitl.records.missions import MissionResult, PlanKind
 from sitl.records.modes import Mode
 from sitl.records.texts import StatusText
@@ -32,7 +33,9 @@ class Wired:
         self.said: list[StatusText] = []
         self.told: list[Any] = []
         self._outlet = FakeOutlet()
-        self._server = MissionServer(self.flight, self.told.append, self.said.append)
+        self._server = MissionServer(
+            cast("SimulatedVehicle", self.flight), self.told.append, self.said.append
+        )
 
     def upload(self, *items: Any, kind: int = 0) -> int:
         """The result; an upload ends at the first item that is refused."""

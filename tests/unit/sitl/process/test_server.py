@@ -19,7 +19,7 @@ def test_real_time_keeps_pace_with_the_wall_clock(make_bench: Callable[..., Benc
         bench.clock.now_s += timeout_s or 0.0  # the wait that the loop asks for
         return real_wait(0.0)
 
-    bench.server._selector.select = select  # type: ignore[method-assign]
+    bench.server._selector.select = select  # type: ignore[method-assign, assignment]
     bench.server.run()
     assert bench.clock.now_s == pytest.approx(0.1, abs=0.02)
 

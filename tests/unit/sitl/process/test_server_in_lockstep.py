@@ -24,7 +24,7 @@ def test_lockstep_stands_at_0_and_repeats_heartbeats(make_bench: Callable[..., B
 
     bench.server._stand = hurried_stand  # type: ignore[method-assign]
     real_wait = bench.server._selector.select
-    bench.server._selector.select = lambda _=None: real_wait(0.0)  # type: ignore[method-assign]
+    bench.server._selector.select = lambda _=None: real_wait(0.0)  # type: ignore[method-assign, assignment]
     bench.server.run()
     assert bench.simulation.time_us == 0
     heartbeat = mavlink.MAVLINK_MSG_ID_HEARTBEAT

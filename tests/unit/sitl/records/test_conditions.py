@@ -1,5 +1,6 @@
 import math
 from dataclasses import asdict
+from pathlib import Path
 
 import pytest
 
@@ -32,7 +33,7 @@ def test_without_a_file_the_day_is_fine() -> None:
     assert read_conditions(None) == Conditions()
 
 
-def test_a_file_sets_what_it_names(tmp_path) -> None:
+def test_a_file_sets_what_it_names(tmp_path: Path) -> None:
     file = tmp_path / "bad-day.toml"
     file.write_text(EVERYTHING)
     conditions = read_conditions(file)
@@ -47,7 +48,7 @@ def test_a_file_sets_what_it_names(tmp_path) -> None:
     assert read_conditions(file).wind == Conditions().wind
 
 
-def test_a_change_goes_before_the_file_and_leaves_the_rest(tmp_path) -> None:
+def test_a_change_goes_before_the_file_and_leaves_the_rest(tmp_path: Path) -> None:
     file = tmp_path / "bad-day.toml"
     file.write_text(EVERYTHING)
     changed = read_conditions(file, ["camera.latency_s=0.2", "light.fog_visibility_m=inf"])
@@ -72,7 +73,7 @@ def test_a_change_goes_before_the_file_and_leaves_the_rest(tmp_path) -> None:
         ("latency", ["not TOML"]),
     ],
 )
-def test_what_cannot_be_is_one_line_that_says_what_could(change, fragments) -> None:
+def test_what_cannot_be_is_one_line_that_says_what_could(change: str, fragments: list[str]) -> None:
     with pytest.raises(UsageError) as refusal:
         read_conditions(None, [change])
     text = str(refusal.value)
@@ -80,7 +81,7 @@ def test_what_cannot_be_is_one_line_that_says_what_could(change, fragments) -> N
     assert all(fragment in text for fragment in [change, *fragments])
 
 
-def test_a_file_that_is_not_one_is_named(tmp_path) -> None:
+def test_a_file_that_is_not_one_is_named(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="can't read"):
         read_conditions(tmp_path / "missing.toml")
     file = tmp_path / "wrong.toml"
@@ -89,7 +90,7 @@ def test_a_file_that_is_not_one_is_named(tmp_path) -> None:
         read_conditions(file)
 
 
-def test_the_document_shows_every_key_as_it_may_be(tmp_path) -> None:
+def test_the_document_shows_every_key_as_it_may_be(tmp_path: Path) -> None:
     document = DOCS / "conditions.md"
     example = document.read_text().split("```toml\n")[1].split("```")[0]
     file = tmp_path / "document.toml"

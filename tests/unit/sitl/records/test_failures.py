@@ -54,7 +54,7 @@ def vehicle() -> Iterator[Failing]:
     vehicle.close()
 
 
-def test_refused_unless_enabled(vehicle):
+def test_refused_unless_enabled(vehicle: Failing) -> None:
     vehicle.parameters.set("SYS_FAILURE_EN", 0)
     assert vehicle.inject(FailureUnit.GPS, FailureType.OFF) == DENIED
     vehicle.run(0.1)
@@ -76,14 +76,18 @@ def test_refused_unless_enabled(vehicle):
         ],
     ],
 )
-def test_what_this_vehicle_has_not_is_unsupported(vehicle, unit, kind, instance):
+def test_what_this_vehicle_has_not_is_unsupported(
+    vehicle: Failing, unit: float, kind: float, instance: float
+) -> None:
     assert vehicle.inject(unit, kind, instance) == UNSUPPORTED
 
 
 @pytest.mark.parametrize(
     ("unit", "kind"), [(unit, kind) for unit, kinds in SUPPORTED.items() for kind in sorted(kinds)]
 )
-def test_everything_supported_is_accepted_and_can_be_mended(vehicle, unit, kind):
+def test_everything_supported_is_accepted_and_can_be_mended(
+    vehicle: Failing, unit: FailureUnit, kind: FailureType
+) -> None:
     assert vehicle.inject(unit, kind) == ACCEPTED
     vehicle.run(0.1)
     assert vehicle.inject(unit, FailureType.OK, NAN) == ACCEPTED
@@ -92,7 +96,7 @@ def test_everything_supported_is_accepted_and_can_be_mended(vehicle, unit, kind)
     assert not vehicle.is_silent
 
 
-def test_without_gps_the_vehicle_lands_after_five_seconds(vehicle):
+def test_without_gps_the_vehicle_lands_after_five_seconds(vehicle: Failing) -> None:
     vehicle.inject(FailureUnit.GPS, FailureType.OFF)
     vehicle.run(4.98)
     assert vehicle.mode is Mode.HOLD
@@ -104,7 +108,7 @@ def test_without_gps_the_vehicle_lands_after_five_seconds(vehicle):
     assert abs(vehicle.state.position_ned[2]) < 0.1
 
 
-def test_with_gps_back_the_vehicle_holds_again(vehicle):
+def test_with_gps_back_the_vehicle_holds_again(vehicle: Failing) -> None:
     vehicle.inject(FailureUnit.GPS, FailureType.OFF)
     vehicle.run(6.0)
     vehicle.inject(FailureUnit.GPS, FailureType.OK)
@@ -114,22 +118,23 @@ def test_with_gps_back_the_vehicle_holds_again(vehicle):
 
 
 @pytest.mark.parametrize("unit", [FailureUnit.MAGNETOMETER, FailureUnit.BAROMETER])
-def test_one_aid_less_is_flown_on_without(vehicle, unit):
+def test_one_aid_less_is_flown_on_without(vehicle: Failing, unit: FailureUnit) -> None:
     vehicle.inject(unit, FailureType.OFF)
     vehicle.run(10.0)
     assert vehicle.mode is Mode.HOLD
     assert abs(vehicle.state.position_ned[2] + 6.0) < 0.6
-    assert not all(vehicle.autopilot.status.armed and vehicle.readings.health)
+    assert vehicle.autopilot.status.armed
+    assert not all(vehicle.readings.health)
 
 
-def test_a_dead_battery_lands_the_vehicle(vehicle):
+def test_a_dead_battery_lands_the_vehicle(vehicle: Failing) -> None:
     vehicle.inject(FailureUnit.BATTERY, FailureType.OFF)
     vehicle.run(5.1)
     assert vehicle.mode is Mode.LAND
     assert vehicle.readings.battery == 0.0
 
 
-def test_a_dead_motor_brings_the_vehicle_down(vehicle):
+def test_a_dead_motor_brings_the_vehicle_down(vehicle: Failing) -> None:
     vehicle.inject(FailureUnit.MOTOR, FailureType.OFF, 1)
     vehicle.run(3.0)
     assert vehicle.state.position_ned[2] > -1.0
@@ -147,7 +152,9 @@ def test_a_dead_motor_brings_the_vehicle_down(vehicle):
         (FailureType.INTERMITTENT, 1.5, 0.7, 0.8),
     ],
 )
-def test_a_battery_that_is_not_read_well(vehicle, kind, after_s, least, most):
+def test_a_battery_that_is_not_read_well(
+    vehicle: Failing, kind: FailureType, after_s: float, least: float, most: float
+) -> None:
     vehicle.parameters.set("SIM_BAT_MIN_PCT", 0.0)
     vehicle.parameters.set("SIM_BAT_DRAIN", 20.0)
     while vehicle.readings.battery > 0.8:
@@ -161,7 +168,7 @@ def test_a_battery_that_is_not_read_well(vehicle, kind, after_s, least, most):
     assert 0.5 < vehicle.readings.battery < 0.8
 
 
-def test_a_battery_that_reads_chance(vehicle):
+def test_a_battery_that_reads_chance(vehicle: Failing) -> None:
     vehicle.inject(FailureUnit.BATTERY, FailureType.GARBAGE)
     charges = []
     for _ in range(100):
@@ -181,7 +188,7 @@ def driven(kind: FailureType, thrusts: list[float]) -> list[float]:
     return [b for _, b, _, _ in given]
 
 
-def test_motors_fail_in_every_way():
+def test_motors_fail_in_every_way() -> None:
     rising = [0.2 + 0.001 * n for n in range(500)]  # two seconds
     assert driven(FailureType.OFF, rising) == [0.0] * 500
     assert driven(FailureType.STUCK, rising) == [0.6] * 500
@@ -197,13 +204,13 @@ def test_motors_fail_in_every_way():
     assert all(0.0 <= thrust <= 1.0 for thrust in garbage)
 
 
-def test_a_dead_gyro_ends_the_flight(vehicle):
+def test_a_dead_gyro_ends_the_flight(vehicle: Failing) -> None:
     vehicle.inject(FailureUnit.GYRO, FailureType.OFF)
     vehicle.run(0.02)
     assert vehicle.mode is Mode.TERMINATION
 
 
-def test_the_signal_comes_and_goes(vehicle):
+def test_the_signal_comes_and_goes(vehicle: Failing) -> None:
     vehicle.inject(FailureUnit.MAVLINK_SIGNAL, FailureType.INTERMITTENT)
     vehicle.run(0.5)
     assert vehicle.is_silent
@@ -232,13 +239,13 @@ def images(vehicle: Failing, seconds: float) -> list[np.ndarray]:
         (FailureType.DELAYED, 31),  # the first at once, then those of 1.5 s
     ],
 )
-def test_a_camera_that_gives_fewer_images(vehicle, kind, count):
+def test_a_camera_that_gives_fewer_images(vehicle: Failing, kind: FailureType, count: int) -> None:
     vehicle.image_due()
     vehicle.inject(FailureUnit.CAMERA, kind)
     assert len(images(vehicle, 2.0)) == pytest.approx(count, abs=1)
 
 
-def test_a_camera_that_gives_other_images(vehicle):
+def test_a_camera_that_gives_other_images(vehicle: Failing) -> None:
     vehicle.inject(FailureUnit.CAMERA, FailureType.STUCK)
     vehicle.run(0.01)
     stuck = images(vehicle, 0.5)
@@ -250,7 +257,7 @@ def test_a_camera_that_gives_other_images(vehicle):
     assert (garbage[0] != garbage[1]).any()
 
 
-def test_a_camera_that_is_late_keeps_its_stamps(vehicle):
+def test_a_camera_that_is_late_keeps_its_stamps(vehicle: Failing) -> None:
     vehicle.inject(FailureUnit.CAMERA, FailureType.DELAYED)
     late_us = []
     for _ in range(500):

@@ -22,25 +22,25 @@ OBSERVED = [
 
 
 @pytest.mark.parametrize(("mode", "custom_mode", "base_mode"), OBSERVED)
-def test_encoding(mode, custom_mode, base_mode):
+def test_encoding(mode: Mode, custom_mode: int, base_mode: int) -> None:
     assert mode.custom_mode == custom_mode
     assert mode.base_mode == base_mode
 
 
-def test_armed_flag():
+def test_armed_flag() -> None:
     assert Mode.HOLD.base_mode | BASE_ARMED == 157
     assert Mode.POSCTL.base_mode | BASE_ARMED == 209
 
 
 @pytest.mark.parametrize("mode", list(Mode))
-def test_numbers_lead_back_to_the_mode(mode):
+def test_numbers_lead_back_to_the_mode(mode: Mode) -> None:
     assert mode_of(mode.value.main, mode.value.sub) is mode
 
 
 @pytest.mark.parametrize(("main", "sub"), [(99, 0), (0, 0), (4, 0), (4, 7), (4, 99)])
-def test_unknown_numbers_name_no_mode(main, sub):
+def test_unknown_numbers_name_no_mode(main: int, sub: int) -> None:
     assert mode_of(main, sub) is None
 
 
-def test_sub_mode_counts_in_auto_only():
+def test_sub_mode_counts_in_auto_only() -> None:
     assert mode_of(6, 3) is Mode.OFFBOARD

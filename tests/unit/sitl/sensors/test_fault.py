@@ -4,6 +4,7 @@ import pytest
 
 from sitl.records.failures import FailureType, FailureUnit
 from sitl.records.motion import VehicleState
+from sitl.records.sensing import Readings
 from sitl.sensors.suite import UNITS, Sensors
 
 STATE = VehicleState(
@@ -21,7 +22,7 @@ class Bench:
         self.time_us = 0
         self.run(1.0)
 
-    def run(self, seconds: float) -> list:
+    def run(self, seconds: float) -> list[Readings]:
         readings = []
         for _ in range(round(seconds * 250)):
             readings.append(self.sensors.update(STATE._replace(time_us=self.time_us)))
@@ -34,17 +35,17 @@ def bench() -> Bench:
     return Bench()
 
 
-def distinct(readings: list, unit: FailureUnit) -> int:
+def distinct(readings: list[Readings], unit: FailureUnit) -> int:
     field = FIELDS[UNITS.index(unit)]
     return len({getattr(reading, field) for reading in readings})
 
 
-def well(reading, unit: FailureUnit) -> bool:
+def well(reading: Readings, unit: FailureUnit) -> bool:
     return reading.health[UNITS.index(unit)]
 
 
 @pytest.mark.parametrize("unit", UNITS)
-def test_off_gives_nothing_and_is_seen_at_once(bench, unit):
+def test_off_gives_nothing_and_is_seen_at_once(bench: Bench, unit: FailureUnit) -> None:
     bench.sensors.fail(unit, FailureType.OFF, bench.time_us)
     readings = bench.run(2.0)
     assert distinct(readings, unit) <= 2
@@ -60,7 +61,9 @@ def test_off_gives_nothing_and_is_seen_at_once(bench, unit):
 @pytest.mark.parametrize(
     "kind", [FailureType.STUCK, FailureType.GARBAGE, FailureType.WRONG], ids=lambda kind: kind.name
 )
-def test_senseless_readings_are_seen_after_a_second(bench, unit, kind):
+def test_senseless_readings_are_seen_after_a_second(
+    bench: Bench, unit: FailureUnit, kind: FailureType
+) -> None:
     before = bench.run(0.2)[-1]
     bench.sensors.fail(unit, kind, bench.time_us)
     readings = bench.run(1.5)
@@ -74,7 +77,7 @@ def test_senseless_readings_are_seen_after_a_second(bench, unit, kind):
 
 
 @pytest.mark.parametrize("unit", UNITS)
-def test_slow_gives_a_tenth(bench, unit):
+def test_slow_gives_a_tenth(bench: Bench, unit: FailureUnit) -> None:
     usual = distinct(bench.run(20.0), unit)
     bench.sensors.fail(unit, FailureType.SLOW, bench.time_us)
     readings = bench.run(20.0)
@@ -82,14 +85,14 @@ def test_slow_gives_a_tenth(bench, unit):
     assert all(readings[-1].health)
 
 
-def test_delayed_gives_what_was_half_a_second_ago(bench):
+def test_delayed_gives_what_was_half_a_second_ago(bench: Bench) -> None:
     bench.sensors.fail(FailureUnit.GYRO, FailureType.DELAYED, bench.time_us)
     first = bench.run(0.5)
     assert distinct(first, FailureUnit.GYRO) == 1
     assert distinct(bench.run(0.5), FailureUnit.GYRO) == 125
 
 
-def test_intermittent_comes_and_goes_each_second(bench):
+def test_intermittent_comes_and_goes_each_second(bench: Bench) -> None:
     bench.sensors.fail(FailureUnit.BAROMETER, FailureType.INTERMITTENT, bench.time_us)
     readings = bench.run(4.0)
     health = [well(reading, FailureUnit.BAROMETER) for reading in readings]

@@ -26,12 +26,12 @@ def rng(seed: int = 3) -> np.random.Generator:
     return np.random.default_rng(seed)
 
 
-def spread(samples) -> tuple[np.ndarray, np.ndarray]:
+def spread(samples: list[tuple[float, float, float]]) -> tuple[np.ndarray, np.ndarray]:
     table = np.array(samples)
     return table.mean(axis=0), table.std(axis=0)
 
 
-def test_inertial_unit_has_noise_and_a_bias():
+def test_inertial_unit_has_noise_and_a_bias() -> None:
     unit = imu.Imu(rng())
     readings = [unit.read(STATE) for _ in range(COUNT)]
     mean, std = spread([reading.rates_frd for reading in readings])
@@ -44,7 +44,7 @@ def test_inertial_unit_has_noise_and_a_bias():
     assert 0.0 < max(map(abs, unit.gyro_bias_frd)) < 5 * imu.GYRO_BIAS_STD_RAD_S
 
 
-def test_turning_rotors_shake_the_inertial_unit():
+def test_turning_rotors_shake_the_inertial_unit() -> None:
     unit = imu.Imu(rng())
     readings = [unit.read(STATE, shaken=True) for _ in range(COUNT)]
     _, std = spread([reading.rates_frd for reading in readings])
@@ -53,7 +53,7 @@ def test_turning_rotors_shake_the_inertial_unit():
     assert std == pytest.approx(imu.SHAKEN_ACCELEROMETER_STD_M_S2, rel=FIVE_SIGMA)
 
 
-def test_receiver_has_white_velocity_noise_and_a_wandering_position():
+def test_receiver_has_white_velocity_noise_and_a_wandering_position() -> None:
     receiver = gps.Gps(rng())
     readings = [receiver.read(STATE) for _ in range(COUNT)]
     mean, std = spread([reading.velocity_ned for reading in readings])
@@ -67,7 +67,7 @@ def test_receiver_has_white_velocity_noise_and_a_wandering_position():
     assert (minute < 0.6).all()
 
 
-def test_barometer_reads_the_standard_atmosphere():
+def test_barometer_reads_the_standard_atmosphere() -> None:
     assert barometer.pressure_hpa(0.0) == pytest.approx(1013.25)
     assert barometer.pressure_hpa(1000.0) == pytest.approx(898.75, abs=0.05)
     assert barometer.pressure_altitude_m(barometer.pressure_hpa(489.4)) == pytest.approx(489.4)
@@ -77,7 +77,7 @@ def test_barometer_reads_the_standard_atmosphere():
     assert np.std(altitudes) == pytest.approx(0.09, rel=0.1)  # 1 Pa
 
 
-def test_magnetometer_reads_the_field_turned_into_the_body():
+def test_magnetometer_reads_the_field_turned_into_the_body() -> None:
     compass = magnetometer.Magnetometer(rng())
     mean, std = spread([compass.read(STATE) for _ in range(COUNT)])
     assert std == pytest.approx(magnetometer.NOISE_STD, rel=FIVE_SIGMA)
@@ -85,7 +85,7 @@ def test_magnetometer_reads_the_field_turned_into_the_body():
     assert (north, east, down) == pytest.approx(magnetometer.FIELD_NED, abs=0.03)
 
 
-def test_each_sensor_samples_at_its_own_rate():
+def test_each_sensor_samples_at_its_own_rate() -> None:
     sensors = Sensors([1], altitude_m=489.4)
     readings = [sensors.update(STATE._replace(time_us=4000 * tick)) for tick in range(250)]
     assert len({reading.gps for reading in readings}) == gps.RATE_HZ
@@ -95,7 +95,7 @@ def test_each_sensor_samples_at_its_own_rate():
     assert all(readings[0].health)
 
 
-def test_the_seed_decides_everything():
+def test_the_seed_decides_everything() -> None:
     first, same, other = (Sensors([seed], altitude_m=0.0).update(STATE) for seed in (1, 1, 2))
     assert first == same
     assert first.rates_frd != other.rates_frd

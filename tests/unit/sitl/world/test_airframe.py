@@ -9,7 +9,7 @@ from sitl.world.airframe import load_airframe, parse_airframe
 X500 = (files("sitl.world") / "airframes" / "x500.toml").read_text()
 
 
-def test_x500_is_the_published_one():
+def test_x500_is_the_published_one() -> None:
     x500 = load_airframe("x500")
     assert x500.mass_kg == 2.064
     assert x500.inertia_kg_m2 == (0.0217, 0.0217, 0.040)
@@ -18,7 +18,7 @@ def test_x500_is_the_published_one():
     assert x500.hover_thrust == pytest.approx(0.592, abs=0.001)
 
 
-def test_its_parameters_are_ones_that_the_autopilot_has():
+def test_its_parameters_are_ones_that_the_autopilot_has() -> None:
     parameters = Parameters(load_airframe("x500").parameters)
     assert parameters.get("SYS_AUTOSTART") == 4001
     assert parameters.get("MPC_THR_HOVER") == pytest.approx(0.6)
@@ -45,7 +45,7 @@ def test_its_parameters_are_ones_that_the_autopilot_has():
         ("[rotors]", "[rotors", "not TOML"),
     ],
 )
-def test_faults_are_named_in_one_line(old, new, complaint):
+def test_faults_are_named_in_one_line(old: str, new: str, complaint: str) -> None:
     assert old in X500
     with pytest.raises(UsageError) as error:
         parse_airframe("mine", X500.replace(old, new, 1))
@@ -53,6 +53,6 @@ def test_faults_are_named_in_one_line(old, new, complaint):
     assert "\n" not in str(error.value)
 
 
-def test_an_unknown_airframe_is_answered_with_the_known_ones():
+def test_an_unknown_airframe_is_answered_with_the_known_ones() -> None:
     with pytest.raises(UsageError, match=r"^airframe 'x900': unknown; known are: x500$"):
         load_airframe("x900")

@@ -7,6 +7,7 @@ import pybullet
 import pytest
 
 from sitl.frames import GRAVITY_M_S2, quaternion_from_euler, rotate, rotate_inverse
+from sitl.records.motion import VehicleState
 from sitl.world.airframe import load_airframe
 from sitl.world.body import QuadrotorBody
 
@@ -26,10 +27,16 @@ class Bench:
         pybullet.setTimeStep(TICK_S, physicsClientId=self.client)
         self.body = QuadrotorBody(self.client, X500, position_ned=(0.0, 0.0, -10.0))
 
-    def put(self, q=LEVEL, velocity=ZERO, thrust=HOVER, position=(0.0, 0.0, -10.0)) -> None:
+    def put(
+        self,
+        q: tuple[float, float, float, float] = LEVEL,
+        velocity: tuple[float, float, float] = ZERO,
+        thrust: float = HOVER,
+        position: tuple[float, float, float] = (0.0, 0.0, -10.0),
+    ) -> None:
         self.body.reset(position_ned=position, velocity_ned=velocity, q_ned_frd=q, thrust=thrust)
 
-    def run(self, motors, ticks: int = 1):
+    def run(self, motors: tuple[float, float, float, float], ticks: int = 1) -> VehicleState:
         for _ in range(ticks):
             self.body.apply(motors, TICK_S)
             pybullet.stepSimulation(physicsClientId=self.client)
@@ -43,14 +50,14 @@ def bench() -> Iterator[Bench]:
     pybullet.disconnect(bench.client)
 
 
-def test_hover_thrust_carries_the_weight(bench):
+def test_hover_thrust_carries_the_weight(bench: Bench) -> None:
     bench.put()
     state = bench.run((HOVER,) * 4, ticks=250)
     assert math.hypot(*state.velocity_ned) < 1e-6
     assert state.specific_force_frd == pytest.approx((0.0, 0.0, -GRAVITY_M_S2))
 
 
-def test_without_thrust_it_falls_freely(bench):
+def test_without_thrust_it_falls_freely(bench: Bench) -> None:
     bench.put(thrust=0.0)
     state = bench.run((0.0,) * 4, ticks=100)
     assert state.velocity_ned == pytest.approx((0.0, 0.0, 0.4 * GRAVITY_M_S2), abs=1e-9)
@@ -58,7 +65,9 @@ def test_without_thrust_it_falls_freely(bench):
 
 
 @pytest.mark.parametrize("euler", [(0.3, 0.2, 1.0), (-0.4, 0.1, -2.5), (1.2, -0.7, 3.0)])
-def test_thrust_pushes_along_the_body_axis_in_any_attitude(bench, euler):
+def test_thrust_pushes_along_the_body_axis_in_any_attitude(
+    bench: Bench, euler: tuple[float, float, float]
+) -> None:
     q = quaternion_from_euler(*euler)
     bench.put(q=q)
     state = bench.run((HOVER,) * 4)
@@ -78,15 +87,18 @@ def test_thrust_pushes_along_the_body_axis_in_any_attitude(bench, euler):
     ],
 )
 @pytest.mark.parametrize("euler", [ZERO, (0.5, -0.3, 2.0)])
-def test_torques_turn_the_body_the_right_way_in_any_attitude(bench, axis, signs, euler):
+def test_torques_turn_the_body_the_right_way_in_any_attitude(
+    bench: Bench, axis: int, signs: tuple[int, int, int, int], euler: tuple[float, float, float]
+) -> None:
     bench.put(q=quaternion_from_euler(*euler))
-    motors = tuple(HOVER + 0.05 * sign for sign in signs)
+    first, second, third, fourth = (HOVER + 0.05 * sign for sign in signs)
+    motors = (first, second, third, fourth)
     rates = bench.run(motors, ticks=10).rates_frd
     assert rates[axis] > 0.005
     assert max(abs(rates[other]) for other in range(3) if other != axis) < 0.01 * rates[axis]
 
 
-def test_roll_acceleration_is_torque_over_inertia(bench):
+def test_roll_acceleration_is_torque_over_inertia(bench: Bench) -> None:
     bench.put()
     motors = (HOVER - 0.05, HOVER + 0.05, HOVER + 0.05, HOVER - 0.05)
     bench.run(motors, ticks=120)  # the rotors are there
@@ -96,7 +108,7 @@ def test_roll_acceleration_is_torque_over_inertia(bench):
     assert (after - before) / TICK_S == pytest.approx(torque / 0.0217, rel=0.01)
 
 
-def test_rotors_follow_with_a_lag_each_way(bench):
+def test_rotors_follow_with_a_lag_each_way(bench: Bench) -> None:
     bench.put(thrust=0.25)
     bench.run((1.0,) * 4, ticks=3)  # 12 ms
     up = bench.body.rotor_speeds_rad_s[0]
@@ -107,7 +119,7 @@ def test_rotors_follow_with_a_lag_each_way(bench):
     assert down == pytest.approx(500.0 + 500.0 * math.exp(-0.012 / 0.05))
 
 
-def test_thrust_is_linear_in_the_command(bench):
+def test_thrust_is_linear_in_the_command(bench: Bench) -> None:
     for thrust in (0.2, 0.5, 0.9):
         bench.put(thrust=thrust)
         state = bench.run((thrust,) * 4)
@@ -115,13 +127,13 @@ def test_thrust_is_linear_in_the_command(bench):
         assert state.specific_force_frd[2] == pytest.approx(-lift)
 
 
-def test_commands_beyond_the_range_are_cut(bench):
+def test_commands_beyond_the_range_are_cut(bench: Bench) -> None:
     bench.put(thrust=1.0)
     bench.run((7.0, -3.0, 1.0, 0.0), ticks=500)
     assert bench.body.rotor_speeds_rad_s == pytest.approx((1000.0, 0.0, 1000.0, 0.0), abs=0.1)
 
 
-def test_drag_is_that_of_the_rotors(bench):
+def test_drag_is_that_of_the_rotors(bench: Bench) -> None:
     bench.put(velocity=(3.0, -2.0, 0.0))
     state = bench.run((HOVER,) * 4)
     omega = math.sqrt(HOVER) * 1000.0
@@ -130,7 +142,7 @@ def test_drag_is_that_of_the_rotors(bench):
     assert (x, y) == pytest.approx((-3.0 * per_speed, 2.0 * per_speed), rel=1e-3)
 
 
-def test_wind_pushes_like_motion_through_still_air(bench):
+def test_wind_pushes_like_motion_through_still_air(bench: Bench) -> None:
     bench.put(velocity=(3.0, -2.0, 0.5))
     moving = bench.run((HOVER,) * 4).specific_force_frd
     bench.put()
@@ -139,7 +151,7 @@ def test_wind_pushes_like_motion_through_still_air(bench):
     assert blown == pytest.approx(moving, abs=1e-9)
 
 
-def test_turning_is_damped(bench):
+def test_turning_is_damped(bench: Bench) -> None:
     bench.put()
     bench.run((HOVER + 0.1, HOVER + 0.1, HOVER - 0.1, HOVER - 0.1), ticks=100)
     before = bench.body.state(0).rates_frd[2]
@@ -147,7 +159,7 @@ def test_turning_is_damped(bench):
     assert 0.0 < after < 0.5 * before
 
 
-def test_stands_on_the_ground_and_feels_its_weight(bench):
+def test_stands_on_the_ground_and_feels_its_weight(bench: Bench) -> None:
     ground = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=bench.client)
     pybullet.createMultiBody(baseCollisionShapeIndex=ground, physicsClientId=bench.client)
     bench.put(position=(0.0, 0.0, -0.3), thrust=0.0)
@@ -156,7 +168,7 @@ def test_stands_on_the_ground_and_feels_its_weight(bench):
     assert state.specific_force_frd == pytest.approx((0.0, 0.0, -GRAVITY_M_S2), abs=1e-2)
 
 
-def test_reset_forgets_everything(bench):
+def test_reset_forgets_everything(bench: Bench) -> None:
     bench.put()
     bench.run((0.9, 0.1, 0.4, 0.7), ticks=100)
     q = quaternion_from_euler(0.0, 0.0, 1.0)
@@ -171,7 +183,7 @@ def test_reset_forgets_everything(bench):
     assert bench.run((0.5, 0.6, 0.7, 0.5), ticks=50) == first
 
 
-def test_rates_are_in_the_body_frame(bench):
+def test_rates_are_in_the_body_frame(bench: Bench) -> None:
     bench.put(q=quaternion_from_euler(math.pi / 2, 0.0, 0.0))
     state = bench.run((HOVER + 0.1, HOVER + 0.1, HOVER - 0.1, HOVER - 0.1), ticks=20)
     assert state.rates_frd[2] > 0.01
@@ -180,7 +192,7 @@ def test_rates_are_in_the_body_frame(bench):
     assert rotate_inverse(state.q_ned_frd, turning_ned) == pytest.approx(state.rates_frd)
 
 
-def test_two_bodies_in_one_client_do_not_disturb_each_other(bench):
+def test_two_bodies_in_one_client_do_not_disturb_each_other(bench: Bench) -> None:
     other = QuadrotorBody(bench.client, X500, position_ned=(5.0, 0.0, -10.0), yaw_rad=1.0)
     before = other.state(0)
     bench.put()

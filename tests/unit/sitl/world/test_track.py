@@ -6,11 +6,11 @@ from sitl.errors import UsageError
 from sitl.world.track import GATE_HEIGHT_M, RADIUS_M, START_DISTANCE_M, make_track
 
 
-def horizontal_distance(a, b):
+def horizontal_distance(a: tuple[float, float, float], b: tuple[float, float, float]) -> float:
     return math.hypot(a[0] - b[0], a[1] - b[1])
 
 
-def test_noise_free_gates_stand_on_the_circle_45_degrees_apart():
+def test_noise_free_gates_stand_on_the_circle_45_degrees_apart() -> None:
     track = make_track(7)
     for gate in track.gates:
         assert horizontal_distance(gate.centre_ned, track.centre_ned) == pytest.approx(RADIUS_M)
@@ -20,13 +20,13 @@ def test_noise_free_gates_stand_on_the_circle_45_degrees_apart():
         assert horizontal_distance(gate.centre_ned, following.centre_ned) == pytest.approx(chord)
 
 
-def test_the_spawn_faces_the_nominal_first_gate():
+def test_the_spawn_faces_the_nominal_first_gate() -> None:
     first = make_track(0).gates[0]
     assert first.centre_ned[0] == pytest.approx(START_DISTANCE_M)
     assert first.centre_ned[1] == pytest.approx(0.0)
 
 
-def test_a_clockwise_track_turns_right_and_the_other_is_its_mirror():
+def test_a_clockwise_track_turns_right_and_the_other_is_its_mirror() -> None:
     clockwise = make_track(3, radius_noise_m=1.0, height_noise_m=2.0)
     mirrored = make_track(3, radius_noise_m=1.0, height_noise_m=2.0, direction="ccw")
     assert clockwise.gates[1].yaw_rad - clockwise.gates[0].yaw_rad == pytest.approx(math.pi / 4)
@@ -36,7 +36,7 @@ def test_a_clockwise_track_turns_right_and_the_other_is_its_mirror():
         assert twin.yaw_rad == pytest.approx(-gate.yaw_rad)
 
 
-def test_noise_moves_the_radius_both_ways_and_the_height_up_only():
+def test_noise_moves_the_radius_both_ways_and_the_height_up_only() -> None:
     radii, heights = [], []
     for seed in range(50):
         track = make_track(seed, radius_noise_m=1.5, height_noise_m=3.0)
@@ -48,13 +48,13 @@ def test_noise_moves_the_radius_both_ways_and_the_height_up_only():
     assert GATE_HEIGHT_M + 2.9 < max(heights) <= GATE_HEIGHT_M + 3.0
 
 
-def test_a_seed_names_one_track():
+def test_a_seed_names_one_track() -> None:
     assert make_track(5, radius_noise_m=1.0) == make_track(5, radius_noise_m=1.0)
     assert make_track(5, radius_noise_m=1.0) != make_track(6, radius_noise_m=1.0)
 
 
 @pytest.mark.parametrize("noise", [-0.1, 99.0, math.nan])
-def test_impossible_noise_is_refused_by_name(noise):
+def test_impossible_noise_is_refused_by_name(noise: float) -> None:
     with pytest.raises(UsageError, match="GRN"):
         make_track(0, radius_noise_m=noise)
     with pytest.raises(UsageError, match="GHN"):

@@ -2,23 +2,15 @@ import json
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
-import cv2
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from flightstack.evaluation.cli import COMMANDS, main
 from flightstack.evaluation.offline.predicting import PARTS
 from flightstack.evaluation.offline.scenes import SPOILS
 from flightstack.records import VELOCITIES
-
-
-def pixels(path: Path) -> NDArray[Any]:
-    picture = cv2.imread(str(path))
-    assert picture is not None
-    return picture
+from tests.pictures import pixels
 
 
 def test_help_waits_for_no_torch() -> None:

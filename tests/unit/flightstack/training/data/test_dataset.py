@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -11,13 +13,15 @@ STRONG = Recipe.load("strong")
 
 
 @pytest.fixture
-def folder(tmp_path):
+def folder(tmp_path: Path) -> Path:
     folder = tmp_path / "views"
     generation.generate_perception(folder, STRONG, images=40, seed=3, jobs=1, report=lambda _: None)
     return folder
 
 
-def test_the_same_seed_gives_the_same_bytes_and_another_does_not(folder, tmp_path):
+def test_the_same_seed_gives_the_same_bytes_and_another_does_not(
+    folder: Path, tmp_path: Path
+) -> None:
     again = generation.generate_perception(
         tmp_path / "again", STRONG, images=40, seed=3, jobs=1, report=lambda _: None
     )
@@ -29,7 +33,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_does_not(folder, tmp_pat
     assert first.sha256 != dataset.read_dataset(other).sha256
 
 
-def test_splits_share_nothing_and_cover_all(folder):
+def test_splits_share_nothing_and_cover_all(folder: Path) -> None:
     opened = dataset.read_dataset(folder)
     train, validation = opened.splits["train"], opened.splits["validation"]
     assert len(train) == 32
@@ -38,7 +42,7 @@ def test_splits_share_nothing_and_cover_all(folder):
     assert not np.array_equal(opened.images[train[:8]], opened.images[validation])
 
 
-def test_an_unfinished_shard_is_made_again_and_a_finished_one_kept(folder):
+def test_an_unfinished_shard_is_made_again_and_a_finished_one_kept(folder: Path) -> None:
     before = dataset.read_dataset(folder).sha256
     kept = (folder / "train-00000.json").stat().st_mtime_ns
     (folder / "validation-00000.json").unlink()
@@ -47,14 +51,14 @@ def test_an_unfinished_shard_is_made_again_and_a_finished_one_kept(folder):
     assert (folder / "train-00000.json").stat().st_mtime_ns == kept
 
 
-def test_a_shard_cut_short_is_named(folder):
+def test_a_shard_cut_short_is_named(folder: Path) -> None:
     path = folder / "train-00000-images.npy"
     path.write_bytes(path.read_bytes()[:-1000])
     with pytest.raises(UsageError, match="train-00000-images"):
         dataset.read_dataset(folder)
 
 
-def test_labels_that_are_not_finite_are_refused(folder):
+def test_labels_that_are_not_finite_are_refused(folder: Path) -> None:
     path = folder / "train-00000-labels.npy"
     labels = np.load(path)
     labels[3, 1] = np.nan
@@ -63,7 +67,7 @@ def test_labels_that_are_not_finite_are_refused(folder):
         dataset.read_dataset(folder)
 
 
-def test_labels_out_of_range_are_named(folder):
+def test_labels_out_of_range_are_named(folder: Path) -> None:
     path = folder / "train-00000-labels.npy"
     labels = np.load(path)
     labels[3, 1] = 57.0  # degrees, where radians are meant
@@ -72,12 +76,12 @@ def test_labels_out_of_range_are_named(folder):
         dataset.read_dataset(folder)
 
 
-def test_a_folder_without_data_says_how_to_make_some(tmp_path):
+def test_a_folder_without_data_says_how_to_make_some(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="training data"):
         dataset.read_dataset(tmp_path)
 
 
-def test_images_are_gathered_across_shards(tmp_path):
+def test_images_are_gathered_across_shards(tmp_path: Path) -> None:
     images = np.arange(5 * 64 * 64 * 3, dtype=np.uint32).astype(np.uint8).reshape(5, 64, 64, 3)
     labels = np.arange(10, dtype=np.float32).reshape(5, 2)
     write_shard(tmp_path, "a", "train", images[:2], labels[:2], settings_sha256="")
@@ -90,13 +94,13 @@ def test_images_are_gathered_across_shards(tmp_path):
     assert np.array_equal(opened.labels, labels)
 
 
-def generate(folder, *, recipe=STRONG, seed=3, images=40):
+def generate(folder: Path, *, recipe: Recipe = STRONG, seed: int = 3, images: int = 40) -> Path:
     return generation.generate_perception(
         folder, recipe, images=images, seed=seed, jobs=1, report=lambda _: None
     )
 
 
-def test_a_folder_of_other_data_is_refused(folder):
+def test_a_folder_of_other_data_is_refused(folder: Path) -> None:
     with pytest.raises(UsageError, match="made with another seed: choose another folder"):
         generate(folder, seed=4)
     with pytest.raises(UsageError, match=r"made with another .*range_m, .*recipe"):
@@ -105,7 +109,7 @@ def test_a_folder_of_other_data_is_refused(folder):
         generate(folder, images=50)
 
 
-def test_shards_of_other_data_are_refused_before_there_is_a_manifest(folder):
+def test_shards_of_other_data_are_refused_before_there_is_a_manifest(folder: Path) -> None:
     (folder / "manifest.json").unlink()
     (folder / "validation-00000.json").unlink()
     with pytest.raises(UsageError, match="holds train-00000, made with another recipe, seed or"):
@@ -113,7 +117,7 @@ def test_shards_of_other_data_are_refused_before_there_is_a_manifest(folder):
     assert not (folder / "validation-00000.json").exists()
 
 
-def test_datasets_are_read_as_one(folder, tmp_path):
+def test_datasets_are_read_as_one(folder: Path, tmp_path: Path) -> None:
     parts = [dataset.read_dataset(folder), dataset.read_dataset(generate(tmp_path / "b", seed=5))]
     joined = dataset.join(parts)
     assert len(joined.images) == len(joined.labels) == 80

@@ -26,14 +26,14 @@ def state(north_m: float, yaw_rad: float = 0.0) -> VehicleState:
     return VehicleState(0, (north_m, 0.2, -2.9), (0.0,) * 3, q, (0.0,) * 3, (0.0,) * 3)
 
 
-def test_it_is_the_expert_until_the_camera_sees_no_more_of_the_gate():
+def test_it_is_the_expert_until_the_camera_sees_no_more_of_the_gate() -> None:
     far = state(4.1)
     expected = FunnelExpert().command(far, GATE, NEXT)
     assert np.array_equal(BLIND.command(far, GATE, NEXT), expected)
 
 
 @pytest.mark.parametrize("yaw_rad", [0.0, 0.4])
-def test_blind_it_flies_straight_along_the_axis(yaw_rad):
+def test_blind_it_flies_straight_along_the_axis(yaw_rad: float) -> None:
     vx, vy, vz, _ = BLIND.command(state(4.3, yaw_rad), GATE, NEXT)
     along = (
         math.cos(yaw_rad) * vx - math.sin(yaw_rad) * vy,
@@ -43,7 +43,7 @@ def test_blind_it_flies_straight_along_the_axis(yaw_rad):
     assert along == pytest.approx((2.0, 0.0, 0.0))
 
 
-def test_it_passes_a_lap_on_a_calm_day_and_drifts_off_course_with_rotor_noise():
+def test_it_passes_a_lap_on_a_calm_day_and_drifts_off_course_with_rotor_noise() -> None:
     calm = SimulationConfig(track_seed=20_000_000, noise_m=(1.5, 3.0), laps=1)
     assert fly(calm, BlindExpert(ExpertConfig(), blind_m=0.0)) == 8
     shaken = SimulationConfig(

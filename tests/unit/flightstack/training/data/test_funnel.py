@@ -4,16 +4,20 @@ import math
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from flightstack.frames import ned_from_body, wrap_pi
 from flightstack.training.data.funnel import ExpertConfig, expert_command
 from sitl import CourseState, make_track
 from sitl.world.referee import Referee
+from sitl.world.track import Track
 
 LAG_S, STEP_S, SUBSTEPS = 0.5, 0.01, 5
 
 
-def fly(track, position, yaw, *, laps=1, seconds=60.0):
+def fly(
+    track: Track, position: NDArray[np.float64], yaw: float, *, laps: int = 1, seconds: float = 60.0
+) -> tuple[Referee, NDArray[np.float64]]:
     """Fly the track; returns the referee and the bearings (rad) of the gate that was due."""
     referee, config, gates = Referee(track.gates, laps), ExpertConfig(), track.gates
     velocity, bearings = np.zeros(3), []
@@ -38,7 +42,9 @@ def fly(track, position, yaw, *, laps=1, seconds=60.0):
 
 @pytest.mark.parametrize("seed", range(8))
 @pytest.mark.parametrize("noise", [(0.0, 0.0), (1.0, 2.0), (1.5, 3.0)])
-def test_passes_every_gate_and_keeps_the_next_in_view(seed, noise):
+def test_passes_every_gate_and_keeps_the_next_in_view(
+    seed: int, noise: tuple[float, float]
+) -> None:
     track = make_track(seed, radius_noise_m=noise[0], height_noise_m=noise[1])
     referee, bearings = fly(track, np.array([0.0, 0.0, -3.0]), 0.0)
     assert referee.status.gates_passed == 8
@@ -46,7 +52,7 @@ def test_passes_every_gate_and_keeps_the_next_in_view(seed, noise):
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_recovers_from_beside_the_gate(side):
+def test_recovers_from_beside_the_gate(side: float) -> None:
     track = make_track(0)
     gate = track.gates[0]
     axis = np.array([math.cos(gate.yaw_rad), math.sin(gate.yaw_rad), 0.0])
@@ -56,7 +62,7 @@ def test_recovers_from_beside_the_gate(side):
     assert referee.status.gates_passed == 8
 
 
-def test_backs_off_rather_than_hit_the_frame():
+def test_backs_off_rather_than_hit_the_frame() -> None:
     gate, following = make_track(0).gates[:2]
     axis = np.array([math.cos(gate.yaw_rad), math.sin(gate.yaw_rad), 0.0])
     right = np.array([-axis[1], axis[0], 0.0])

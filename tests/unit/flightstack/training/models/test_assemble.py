@@ -2,6 +2,7 @@ import dataclasses
 import json
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from flightstack.companion.pipeline import load_pipeline
 from flightstack.errors import UsageError
 from flightstack.perception.dronet import Dronet
 from flightstack.records import Image
+from flightstack.training import presets
 from flightstack.training.commands import all_models
 from flightstack.training.data.dataset import Dataset, read_dataset
 from flightstack.training.data.generation import generate_control
@@ -105,7 +107,7 @@ def test_a_model_is_measured_as_it_flies(folder: Path, control_data: Dataset) ->
     """With fewer latent samples its mean is worse; with none drawn there is no spread of them."""
     model, validation = models.load(str(folder)), Labelled.held_out(control_data)
 
-    def metrics(**perception: object) -> PolicyMetrics:
+    def metrics(**perception: Any) -> PolicyMetrics:
         changed = dataclasses.replace(model.config.perception, **perception)
         config = dataclasses.replace(model.config, perception=changed)
         return measure(dataclasses.replace(model, config=config), validation, seed=0)
@@ -139,7 +141,7 @@ def test_policies_learn_from_a_first_models_flights_too(
 ) -> None:
     learned_from = []
     monkeypatch.setattr(all_models, "_train_stack", lambda *given: learned_from.append(given[3]))
-    monkeypatch.setitem(all_models.IMAGES["quick"], "control", 20)
+    monkeypatch.setitem(presets.IMAGES["quick"], "control", 20)
     shutil.copytree(perception_run.folder, plan.run_folder / "perception-mcd-0")
     shutil.copytree(policy_folder, plan.dagger_folder / "policy-mcd-ensemble-0")
     expert = plan.data / "strong" / "control"
@@ -192,7 +194,7 @@ def test_all_calibrates_every_model_that_it_writes(
     shutil.copytree(policy_folder, runs / "policy-mcd-ensemble-0")
     for finished in ("make_data", "train_encoder", "fly_dagger", "train_stack"):
         monkeypatch.setattr(all_models, finished, lambda *_: None)
-    monkeypatch.setitem(all_models.CALIBRATION_IMAGES, "quick", 20)
+    monkeypatch.setitem(presets.CALIBRATION_IMAGES, "quick", 20)
     all_models.train_all(plan)
     folder = tmp_path / "models" / "strong" / "m0"
     assert json.loads((folder / "metrics.json").read_text())["policy"]["images"] == 20
@@ -211,7 +213,11 @@ def test_a_deterministic_policy_gets_the_variance_that_it_leaves_unexplained(
     perception_run: PerceptionRun, control_data: Dataset, encoder: Dronet, tmp_path: Path
 ) -> None:
     settings = PolicySettings(members=1, probabilistic=False, epochs=20, batch=32)
-    common = {"perception": "x", "device": torch.device("cpu"), "report": lambda _: None}
+    common: dict[str, Any] = {
+        "perception": "x",
+        "device": torch.device("cpu"),
+        "report": lambda _: None,
+    }
     train_policy(control_data, encoder, settings, tmp_path / "run", **common)
     runs = read_run(perception_run.folder), read_run(tmp_path / "run")
     folder = tmp_path / "m3"

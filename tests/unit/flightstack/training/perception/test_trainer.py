@@ -2,7 +2,6 @@ import dataclasses
 import json
 from pathlib import Path
 
-import cv2
 import pytest
 import torch
 
@@ -13,6 +12,7 @@ from flightstack.training.perception.metrics import PerceptionMetrics
 from flightstack.training.perception.trainer import PerceptionRun, train_perception
 from flightstack.training.presets import PerceptionSettings
 from flightstack.training.runs import read_run
+from tests.pictures import pixels
 
 CPU = torch.device("cpu")
 SETTINGS = PerceptionSettings(epochs=3, batch=32, warmup_steps=10, learning_rate=2e-3)
@@ -37,8 +37,8 @@ def test_run_can_be_read_again(perception_run: PerceptionRun) -> None:
 
 
 def test_run_leaves_pictures_and_figures(perception_run: PerceptionRun) -> None:
-    assert cv2.imread(str(perception_run.folder / "reconstructions.png")).shape[:2] == (256, 1536)
-    assert cv2.imread(str(perception_run.folder / "traversals.png")).shape[:2] == (1280, 1408)
+    assert pixels(perception_run.folder / "reconstructions.png").shape[:2] == (256, 1536)
+    assert pixels(perception_run.folder / "traversals.png").shape[:2] == (1280, 1408)
     summary = json.loads((perception_run.folder / "perception.json").read_text())
     assert summary["data"] == "synthetic"
     assert summary["metrics"]["active_units"] == perception_run.metrics.active_units

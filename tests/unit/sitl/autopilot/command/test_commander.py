@@ -16,7 +16,7 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 @pytest.fixture
-def ready(flight):
+def ready(flight: Flight) -> Flight:
     """A vehicle whose checks pass."""
     flight.run(1.1)
     flight.texts.clear()
@@ -24,7 +24,7 @@ def ready(flight):
 
 
 @pytest.fixture
-def hovering(flight):
+def hovering(flight: Flight) -> Flight:
     """A vehicle in HOLD at 10 m."""
     flight.place((0.0, 0.0, -10.0))
     flight.autopilot.set_mode(4, 3)
@@ -33,7 +33,7 @@ def hovering(flight):
     return flight
 
 
-def test_not_armable_until_the_estimate_is_valid(flight):
+def test_not_armable_until_the_estimate_is_valid(flight: Flight) -> None:
     flight.run(0.5)
     assert flight.autopilot.status.system_status == 0
     assert flight.command(ARM, 1.0) == REJECTED
@@ -46,14 +46,14 @@ def test_not_armable_until_the_estimate_is_valid(flight):
     assert flight.autopilot.status.armable
 
 
-def test_not_armable_until_the_estimate_has_settled():
+def test_not_armable_until_the_estimate_has_settled() -> None:
     well = Health(attitude_valid=True, position_valid=True, altitude_valid=True)
     assert can_arm(Mode.HOLD, well)
     assert not can_arm(Mode.HOLD, well._replace(settled=False))
     assert can_run(Mode.HOLD, well._replace(settled=False))
 
 
-def test_arm_once_and_again(ready):
+def test_arm_once_and_again(ready: Flight) -> None:
     assert ready.command(ARM, 1.0) == ACCEPTED
     assert ready.command(ARM, 1.0) == ACCEPTED
     ready.run(0.01)
@@ -62,12 +62,12 @@ def test_arm_once_and_again(ready):
     assert (status.base_mode, status.system_status, status.armed) == (157, 4, True)
 
 
-def test_forced_arming_still_runs_the_checks(flight):
+def test_forced_arming_still_runs_the_checks(flight: Flight) -> None:
     flight.run(0.1)
     assert flight.command(ARM, 1.0, 21196.0) == REJECTED
 
 
-def test_disarm_on_the_ground_once_and_again(ready):
+def test_disarm_on_the_ground_once_and_again(ready: Flight) -> None:
     ready.command(ARM, 1.0)
     ready.run(0.5)
     ready.texts.clear()
@@ -78,7 +78,7 @@ def test_disarm_on_the_ground_once_and_again(ready):
     assert ready.autopilot.status.actuator_outputs == (900, 900, 900, 900)
 
 
-def test_other_arming_parameters_get_no_answer(ready):
+def test_other_arming_parameters_get_no_answer(ready: Flight) -> None:
     assert ready.command(ARM, 3.0) is None
     assert ready.command(ARM, NAN) is None
     ready.run(0.01)
@@ -86,7 +86,7 @@ def test_other_arming_parameters_get_no_answer(ready):
     assert not ready.autopilot.status.armed
 
 
-def test_disarming_in_the_air_needs_force(hovering):
+def test_disarming_in_the_air_needs_force(hovering: Flight) -> None:
     assert hovering.command(ARM, 0.0) == REJECTED
     hovering.run(0.01)
     assert hovering.said == ["2:Disarming denied: not landed"]
@@ -97,7 +97,7 @@ def test_disarming_in_the_air_needs_force(hovering):
     assert status.landed_state == 1
 
 
-def test_idle_after_arming_disarms(ready):
+def test_idle_after_arming_disarms(ready: Flight) -> None:
     ready.command(ARM, 1.0)
     ready.run(9.9)
     assert ready.autopilot.status.armed
@@ -106,7 +106,7 @@ def test_idle_after_arming_disarms(ready):
     assert ready.said[-1] == "6:Disarmed by auto preflight disarming"
 
 
-def test_preflight_disarming_can_be_switched_off(ready):
+def test_preflight_disarming_can_be_switched_off(ready: Flight) -> None:
     ready.parameters.set("COM_DISARM_PRFLT", -1.0)
     ready.command(ARM, 1.0)
     ready.run(12.0)
@@ -116,7 +116,7 @@ def test_preflight_disarming_can_be_switched_off(ready):
 @pytest.mark.parametrize(
     "mode", [mode for mode in Mode if mode not in {Mode.TERMINATION}], ids=lambda mode: mode.name
 )
-def test_any_mode_is_taken_while_disarmed(ready, mode):
+def test_any_mode_is_taken_while_disarmed(ready: Flight, mode: Mode) -> None:
     main, sub, base = mode.value
     assert ready.command(SET_MODE, 1.0, main, sub) == ACCEPTED
     ready.run(0.01)
@@ -127,17 +127,19 @@ def test_any_mode_is_taken_while_disarmed(ready, mode):
 
 
 @pytest.mark.parametrize("place", [(1e30, 8.5, 490.0), (47.4, -181.0, 490.0), (47.4, 8.5, 1e38)])
-def test_a_take_off_leads_nowhere_but_over_earth(ready, place):
+def test_a_take_off_leads_nowhere_but_over_earth(
+    ready: Flight, place: tuple[float, float, float]
+) -> None:
     assert ready.command(TAKEOFF, 0.0, 0.0, 0.0, math.nan, *place) == DENIED
     assert ready.command(TAKEOFF, 0.0, 0.0, 0.0, math.nan, 47.3977, 8.5456, 495.0) == ACCEPTED
 
 
-def test_termination_is_no_mode_to_choose(ready):
+def test_termination_is_no_mode_to_choose(ready: Flight) -> None:
     assert ready.command(SET_MODE, 1.0, 10.0, 0.0) == REJECTED
     assert ready.autopilot.status.mode is Mode.HOLD
 
 
-def test_a_termination_is_final(flight):
+def test_a_termination_is_final(flight: Flight) -> None:
     """PX4 never changes out of it, and does not arm in it."""
     flight.place((0.0, 0.0, -30.0))
     flight.send(velocity_ned=(0.0, 0.0, 0.0), yaw_rate_rad_s=0.0)
@@ -160,7 +162,7 @@ def test_a_termination_is_final(flight):
     assert not flight.autopilot.status.armed
 
 
-def test_offboard_is_armable_with_setpoints_only(ready):
+def test_offboard_is_armable_with_setpoints_only(ready: Flight) -> None:
     ready.command(SET_MODE, 1.0, 6.0, 0.0)
     ready.run(0.1)
     assert (ready.autopilot.status.base_mode, ready.autopilot.status.system_status) == (1, 0)
@@ -183,7 +185,9 @@ def test_offboard_is_armable_with_setpoints_only(ready):
         (6, 0, "Offboard"),
     ],
 )
-def test_modes_that_cannot_run_are_refused_in_flight(hovering, main, sub, name):
+def test_modes_that_cannot_run_are_refused_in_flight(
+    hovering: Flight, main: int, sub: int, name: str
+) -> None:
     hovering.run(1.5)  # the last setpoint is old
     assert hovering.command(SET_MODE, 1.0, main, sub) == REJECTED
     hovering.run(0.01)
@@ -192,7 +196,9 @@ def test_modes_that_cannot_run_are_refused_in_flight(hovering, main, sub, name):
 
 
 @pytest.mark.parametrize("params", [(1.0, 99.0, 0.0), (0.0, 4.0, 6.0), (1.0, NAN, NAN)])
-def test_senseless_modes_are_accepted_and_ignored(hovering, params):
+def test_senseless_modes_are_accepted_and_ignored(
+    hovering: Flight, params: tuple[float, float, float]
+) -> None:
     assert hovering.command(SET_MODE, *params) == ACCEPTED
     hovering.run(0.1)
     assert hovering.autopilot.status.mode is Mode.HOLD
@@ -208,7 +214,7 @@ def test_offboard_can_be_chosen_right_after_the_first_setpoint(hovering: Flight)
     assert hovering.command(SET_MODE, 1.0, 6.0, 0.0) == ACCEPTED
 
 
-def test_take_off_while_disarmed_waits_for_arming(ready):
+def test_take_off_while_disarmed_waits_for_arming(ready: Flight) -> None:
     assert ready.command(TAKEOFF) == ACCEPTED
     ready.run(0.1)
     status = ready.autopilot.status
@@ -218,13 +224,13 @@ def test_take_off_while_disarmed_waits_for_arming(ready):
     assert ready.height_m == pytest.approx(2.55, abs=0.05)
 
 
-def test_land_is_always_accepted(ready):
+def test_land_is_always_accepted(ready: Flight) -> None:
     assert ready.command(LAND) == ACCEPTED
     ready.run(0.1)
     assert ready.autopilot.status.mode is Mode.LAND
 
 
-def test_after_a_landing_out_of_offboard_the_mode_is_offboard_again(flight):
+def test_after_a_landing_out_of_offboard_the_mode_is_offboard_again(flight: Flight) -> None:
     flight.place((0.0, 0.0, -1.0))
     flight.send(velocity_ned=ZERO, yaw_rate_rad_s=0.0)
     flight.run(1.0)
@@ -235,21 +241,21 @@ def test_after_a_landing_out_of_offboard_the_mode_is_offboard_again(flight):
     assert (status.mode, status.system_status) == (Mode.OFFBOARD, 0)
 
 
-def test_flight_termination(hovering):
+def test_flight_termination(hovering: Flight) -> None:
     assert hovering.command(185, 1.0) == ACCEPTED
     hovering.run(0.1)
     assert hovering.autopilot.status.system_status == 8
     assert hovering.autopilot.status.throttle == 0.0
 
 
-def test_commands_that_it_does_not_do(ready):
+def test_commands_that_it_does_not_do(ready: Flight) -> None:
     assert ready.command(185, 1.0) == DENIED  # termination while disarmed
     assert ready.command(300) == DENIED  # no mission to start
     assert ready.command(246, 99.0) == DENIED
     assert ready.command(31999) == UNSUPPORTED
 
 
-def test_home_is_where_it_was_armed_or_where_it_was_put(ready):
+def test_home_is_where_it_was_armed_or_where_it_was_put(ready: Flight) -> None:
     assert ready.autopilot.status.home_valid
     assert ready.command(179, 0.0, 0.0, 0.0, 0.0, 47.398, 8.5456, 490.0) == ACCEPTED
     ready.run(0.1)
@@ -262,20 +268,20 @@ def test_home_is_where_it_was_armed_or_where_it_was_put(ready):
 
 
 @pytest.mark.parametrize("place", [(91.0, 8.5, 490.0), (47.4, 400.0, 490.0), (47.4, 8.5, 1e38)])
-def test_home_is_nowhere_but_on_earth(ready, place):
+def test_home_is_nowhere_but_on_earth(ready: Flight, place: tuple[float, float, float]) -> None:
     before = ready.autopilot.status.home_ned
     assert ready.command(179, 0.0, 0.0, 0.0, 0.0, *place) == DENIED
     ready.run(0.1)
     assert ready.autopilot.status.home_ned == before
 
 
-def test_idle_setpoint_is_what_px4_shows_on_the_ground(ready):
+def test_idle_setpoint_is_what_px4_shows_on_the_ground(ready: Flight) -> None:
     echo = ready.autopilot.setpoint_echo
     assert echo.type_mask == 63
     assert echo.acceleration_ned == (0.0, 0.0, 100.0)
 
 
-def test_velocity_setpoint_is_echoed_with_its_mask(flight):
+def test_velocity_setpoint_is_echoed_with_its_mask(flight: Flight) -> None:
     flight.place((0.0, 0.0, -5.0))
     flight.send(velocity_ned=(1.0, 0.5, -0.2), yaw_rate_rad_s=0.1)
     flight.run(0.2)

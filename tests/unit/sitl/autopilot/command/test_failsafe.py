@@ -1,5 +1,8 @@
 """Every row of the failsafe table, and what happens over time."""
 
+from collections.abc import Callable
+from typing import Any
+
 import pytest
 
 from sitl.autopilot.command.checks import BatteryLevel, Health
@@ -39,7 +42,7 @@ LINK_LOSS = [
 ]
 
 
-def inputs(intended: Mode = Mode.OFFBOARD, *, armed: bool = True, **changes) -> FailsafeInputs:
+def inputs(intended: Mode = Mode.OFFBOARD, *, armed: bool = True, **changes: Any) -> FailsafeInputs:
     parameters = {name: changes.pop(name) for name in FailsafeParameters._fields if name in changes}
     return FailsafeInputs(
         armed, intended, WELL._replace(**changes), FailsafeParameters(**parameters)
@@ -56,7 +59,7 @@ def after(given: FailsafeInputs, elapsed_us: int) -> FailsafeDecision:
 
 
 @pytest.mark.parametrize("mode", [Mode.OFFBOARD, Mode.RTL, Mode.HOLD, Mode.POSCTL, Mode.LAND])
-def test_does_what_was_intended_while_all_is_well(mode):
+def test_does_what_was_intended_while_all_is_well(mode: Mode) -> None:
     assert at_once(inputs(mode)) == FailsafeDecision(mode)
     assert not any(row(inputs(mode)) for row in ROWS)
 
@@ -74,13 +77,15 @@ def test_does_what_was_intended_while_all_is_well(mode):
         (7, None),
     ],
 )
-def test_loss_of_setpoints_leads_at_once_where_the_parameter_says(action, mode):
+def test_loss_of_setpoints_leads_at_once_where_the_parameter_says(
+    action: int, mode: Mode | None
+) -> None:
     lost = inputs(offboard_available=False, setpoint_loss=action)
     assert at_once(lost) == FailsafeDecision(mode, FailsafeCause.SETPOINTS)
 
 
 @pytest.mark.parametrize("mode", [Mode.HOLD, Mode.LAND, Mode.TAKEOFF])
-def test_loss_of_setpoints_matters_in_offboard_only(mode):
+def test_loss_of_setpoints_matters_in_offboard_only(mode: Mode) -> None:
     assert setpoint_loss(inputs(mode, offboard_available=False)) is None
 
 
@@ -98,15 +103,23 @@ def test_loss_of_setpoints_matters_in_offboard_only(mode):
     ],
 )
 def test_loss_of_a_link_does_what_the_parameter_says(
-    row, cause, flag, parameter, number, action, stays
-):
-    trigger = row(inputs(**{flag: True, parameter: number}))
+    row: Callable[..., Any],
+    cause: FailsafeCause,
+    flag: str,
+    parameter: str,
+    number: int,
+    action: Action,
+    *,
+    stays: bool,
+) -> None:
+    lost: dict[str, Any] = {flag: True, parameter: number}
+    trigger = row(inputs(**lost))
     assert trigger == (cause, action, True, stays, True)
-    assert row(inputs(**{flag: False, parameter: number})) is None
+    assert row(inputs(**lost | {flag: False})) is None
 
 
 @pytest.mark.parametrize("number", [0, 4])
-def test_loss_of_the_ground_station_may_mean_nothing(number):
+def test_loss_of_the_ground_station_may_mean_nothing(number: int) -> None:
     assert ground_station_loss(inputs(ground_station_lost=True)) is None
     lost = inputs(ground_station_lost=True, ground_station_loss=number)
     assert ground_station_loss(lost) is None
@@ -115,7 +128,7 @@ def test_loss_of_the_ground_station_may_mean_nothing(number):
 @pytest.mark.parametrize(
     ("mode", "bit"), [(Mode.MISSION, 1), (Mode.HOLD, 2), (Mode.OFFBOARD, 4), (Mode.POSCTL, 0)]
 )
-def test_a_mode_can_be_excepted_from_the_loss_of_a_link(mode, bit):
+def test_a_mode_can_be_excepted_from_the_loss_of_a_link(mode: Mode, bit: int) -> None:
     for excepted in range(8):
         sticks = inputs(mode, sticks_lost=True, sticks_exceptions=excepted)
         station = inputs(
@@ -140,7 +153,9 @@ def test_a_mode_can_be_excepted_from_the_loss_of_a_link(mode, bit):
         (BatteryLevel.EMERGENCY, 0, None),
     ],
 )
-def test_an_empty_battery_brings_the_vehicle_down(level, parameter, action):
+def test_an_empty_battery_brings_the_vehicle_down(
+    level: BatteryLevel, parameter: int, action: Action | None
+) -> None:
     trigger = battery(inputs(battery=level, low_battery=parameter))
     assert (trigger and trigger.action) == action
 
@@ -156,14 +171,16 @@ def test_an_empty_battery_brings_the_vehicle_down(level, parameter, action):
         (5, Action.LAND),
     ],
 )
-def test_leaving_the_fence_does_what_the_parameter_says_at_once(number, action):
+def test_leaving_the_fence_does_what_the_parameter_says_at_once(
+    number: int, action: Action | None
+) -> None:
     trigger = geofence(inputs(fence_breached=True, fence=number))
     assert (trigger and trigger.action) == action
     assert trigger is None or not trigger.waits
     assert geofence(inputs(fence=number)) is None
 
 
-def test_a_mission_that_failed_leads_home_while_it_is_flown():
+def test_a_mission_that_failed_leads_home_while_it_is_flown() -> None:
     failed = inputs(Mode.MISSION, mission_failed=True)
     assert at_once(failed) == FailsafeDecision(Mode.HOLD, FailsafeCause.MISSION, Action.RETURN)
     assert after(failed, HOLD_US) == FailsafeDecision(Mode.RTL, FailsafeCause.MISSION)
@@ -185,36 +202,38 @@ def test_a_mission_that_failed_leads_home_while_it_is_flown():
         (Mode.ALTCTL, "altitude_valid", Action.LAND),
     ],
 )
-def test_a_mode_ends_where_the_estimate_no_longer_carries_it(mode, lost, action):
+def test_a_mode_ends_where_the_estimate_no_longer_carries_it(
+    mode: Mode, lost: str, action: Action | None
+) -> None:
     trigger = estimate_loss(inputs(mode, **{lost: False}))
     assert (trigger and trigger.action) == action
 
 
-def test_attitude_setpoints_need_no_position():
+def test_attitude_setpoints_need_no_position() -> None:
     given = inputs(position_valid=False, altitude_valid=False, offboard_by_attitude=True)
     assert estimate_loss(given) is None
 
 
-def test_return_waits_in_hold_for_the_delay():
+def test_return_waits_in_hold_for_the_delay() -> None:
     lost = inputs(Mode.OFFBOARD, ground_station_lost=True, ground_station_loss=2)
     assert at_once(lost) == FailsafeDecision(Mode.HOLD, FailsafeCause.GROUND_STATION, Action.RETURN)
     assert after(lost, HOLD_US - 4000).mode is Mode.HOLD
     assert after(lost, HOLD_US) == FailsafeDecision(Mode.RTL, FailsafeCause.GROUND_STATION)
 
 
-def test_without_a_delay_nothing_waits():
+def test_without_a_delay_nothing_waits() -> None:
     lost = inputs(sticks_lost=True, hold_us=0)
     assert at_once(lost) == FailsafeDecision(Mode.RTL, FailsafeCause.STICKS)
 
 
-def test_what_comes_back_during_the_hold_is_as_if_nothing_had_been():
+def test_what_comes_back_during_the_hold_is_as_if_nothing_had_been() -> None:
     lost = inputs(Mode.OFFBOARD, sticks_lost=True)
     _, memory = decide(lost, FailsafeMemory(), 0)
     decision, memory = decide(inputs(), memory, HOLD_US - 4000)
     assert (decision, memory) == (FailsafeDecision(Mode.OFFBOARD), FailsafeMemory())
 
 
-def test_a_return_goes_on_though_the_link_is_back():
+def test_a_return_goes_on_though_the_link_is_back() -> None:
     lost = inputs(Mode.OFFBOARD, sticks_lost=True, hold_us=0)
     _, memory = decide(lost, FailsafeMemory(), 0)
     assert decide(inputs(hold_us=0), memory, 4000)[0] == FailsafeDecision(
@@ -222,14 +241,14 @@ def test_a_return_goes_on_though_the_link_is_back():
     )
 
 
-def test_a_hold_ends_when_the_link_is_back():
+def test_a_hold_ends_when_the_link_is_back() -> None:
     lost = inputs(ground_station_lost=True, ground_station_loss=1)
     decision, memory = decide(lost, FailsafeMemory(), 0)
     assert decision == FailsafeDecision(Mode.HOLD, FailsafeCause.GROUND_STATION)
     assert decide(inputs(), memory, 4000)[0] == FailsafeDecision(Mode.OFFBOARD)
 
 
-def test_the_user_goes_before_a_link_or_the_battery_but_not_before_the_estimate():
+def test_the_user_goes_before_a_link_or_the_battery_but_not_before_the_estimate() -> None:
     lost = inputs(Mode.HOLD, battery=BatteryLevel.CRITICAL, sticks_lost=True, hold_us=0)
     _, memory = decide(lost, FailsafeMemory(), 0)
     memory = override(lost, memory)
@@ -239,40 +258,40 @@ def test_the_user_goes_before_a_link_or_the_battery_but_not_before_the_estimate(
     assert decide(blind, override(blind, memory), 8000)[0].mode is Mode.LAND
 
 
-def test_an_overridden_cause_acts_again_once_it_has_been_gone():
+def test_an_overridden_cause_acts_again_once_it_has_been_gone() -> None:
     lost = inputs(Mode.HOLD, sticks_lost=True, hold_us=0)
     memory = override(lost, FailsafeMemory())
     _, memory = decide(inputs(Mode.HOLD), memory, 4000)
     assert decide(lost, memory, 8000)[0].mode is Mode.RTL
 
 
-def test_the_gravest_action_is_taken():
+def test_the_gravest_action_is_taken() -> None:
     both = inputs(
         Mode.OFFBOARD, offboard_available=False, battery=BatteryLevel.EMERGENCY, hold_us=0
     )
     assert at_once(both) == FailsafeDecision(Mode.LAND, FailsafeCause.BATTERY)
 
 
-def test_of_equally_grave_actions_the_one_that_does_not_wait_is_taken():
+def test_of_equally_grave_actions_the_one_that_does_not_wait_is_taken() -> None:
     both = inputs(Mode.HOLD, sticks_lost=True, sticks_loss=2, fence_breached=True, fence=3)
     assert at_once(both) == FailsafeDecision(Mode.RTL, FailsafeCause.FENCE)
 
 
 @pytest.mark.parametrize("mode", [Mode.RTL, Mode.LAND])
-def test_a_vehicle_on_its_way_down_is_not_kept_from_it(mode):
+def test_a_vehicle_on_its_way_down_is_not_kept_from_it(mode: Mode) -> None:
     assert at_once(inputs(mode, sticks_lost=True)).mode is mode
     station = inputs(mode, ground_station_lost=True, ground_station_loss=1)
     assert at_once(station).mode is mode
 
 
-def test_what_the_estimate_does_not_allow_falls_through():
+def test_what_the_estimate_does_not_allow_falls_through() -> None:
     blind = inputs(Mode.ALTCTL, position_valid=False, sticks_lost=True, hold_us=0)
     assert at_once(blind).mode is Mode.LAND
     upset = blind._replace(health=blind.health._replace(attitude_valid=False))
     assert at_once(upset).mode is Mode.TERMINATION
 
 
-def test_nothing_fails_safe_while_disarmed():
+def test_nothing_fails_safe_while_disarmed() -> None:
     lost = inputs(armed=False, offboard_available=False, battery=BatteryLevel.EMERGENCY)
     assert decide(lost, FailsafeMemory(since_us=1), 0) == (
         FailsafeDecision(Mode.OFFBOARD),

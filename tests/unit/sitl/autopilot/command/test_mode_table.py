@@ -1,5 +1,7 @@
 """The table of modes is whole, and what it leads to ends."""
 
+from typing import Any
+
 import pytest
 
 from sitl.autopilot.command.checks import Health, can_arm, can_run
@@ -41,7 +43,8 @@ def test_a_mode_that_may_be_chosen_needs_what_its_row_says(mode: Mode) -> None:
     assert can_run(mode, ALL_WELL) is (rules.accepted is not Acceptance.NEVER)
     assert can_arm(mode, ALL_WELL) is rules.armable
     for name, needed in zip(ALL_WELL._fields[:3], rules.needs, strict=False):
-        lacks = ALL_WELL._replace(**{name: False})
+        missing: dict[str, Any] = {name: False}
+        lacks = ALL_WELL._replace(**missing)
         if rules.accepted is Acceptance.WITH_ITS_NEEDS:
             assert can_run(mode, lacks) is not needed
 

@@ -4,6 +4,7 @@ import pytest
 
 from sitl.records.modes import Mode
 from sitl.records.vehicle import Sticks
+from tests.unit.sitl.autopilot.conftest import Flight
 
 TOOK_OVER = "6:Pilot took over using sticks"
 HOLD, OFFBOARD = (4, 3), (6, 0)
@@ -12,7 +13,7 @@ HOLD, OFFBOARD = (4, 3), (6, 0)
 class Pilot:
     """Holds the sticks, sent at 25 Hz, over a vehicle that hovers at 10 m."""
 
-    def __init__(self, flight) -> None:
+    def __init__(self, flight: Flight) -> None:
         self.flight = flight
         flight.place((0.0, 0.0, -10.0))
         flight.send(velocity_ned=(0.0, 0.0, 0.0), yaw_rate_rad_s=0.0)
@@ -31,7 +32,7 @@ class Pilot:
 
 
 @pytest.fixture
-def pilot(flight) -> Pilot:
+def pilot(flight: Flight) -> Pilot:
     return Pilot(flight)
 
 
@@ -49,7 +50,9 @@ def pilot(flight) -> Pilot:
     ],
 )
 @pytest.mark.parametrize("axis", ["forward", "right", "up", "turn"])
-def test_a_moved_stick_takes_over_where_allowed(pilot, override, mode, taken, axis):
+def test_a_moved_stick_takes_over_where_allowed(
+    pilot: Pilot, override: int, mode: tuple[int, int], axis: str, *, taken: bool
+) -> None:
     flight = pilot.flight
     flight.parameters.set("COM_RC_OVERRIDE", override)
     flight.autopilot.set_mode(*mode)
@@ -60,7 +63,7 @@ def test_a_moved_stick_takes_over_where_allowed(pilot, override, mode, taken, ax
     assert (TOOK_OVER in flight.said) is taken
 
 
-def test_the_threshold_is_that_of_the_parameter(pilot):
+def test_the_threshold_is_that_of_the_parameter(pilot: Pilot) -> None:
     pilot.flight.autopilot.set_mode(*HOLD)
     pilot.hold(1.0, forward=0.29)
     assert pilot.mode is Mode.HOLD
@@ -70,7 +73,7 @@ def test_the_threshold_is_that_of_the_parameter(pilot):
     assert pilot.mode is Mode.POSCTL
 
 
-def test_a_stick_that_rests_anywhere_does_not_take_over(pilot):
+def test_a_stick_that_rests_anywhere_does_not_take_over(pilot: Pilot) -> None:
     """The throttle of a joystick without a spring may rest at its lower end."""
     pilot.flight.parameters.set("COM_RC_OVERRIDE", 0)
     pilot.hold(6.0, up=-1.0)
@@ -82,7 +85,7 @@ def test_a_stick_that_rests_anywhere_does_not_take_over(pilot):
     assert pilot.mode is Mode.POSCTL
 
 
-def test_sticks_that_are_switched_on_in_flight_do_not_take_over(flight):
+def test_sticks_that_are_switched_on_in_flight_do_not_take_over(flight: Flight) -> None:
     flight.place((0.0, 0.0, -10.0))
     flight.autopilot.set_mode(*HOLD)
     flight.run(1.0)
@@ -94,7 +97,7 @@ def test_sticks_that_are_switched_on_in_flight_do_not_take_over(flight):
     assert flight.autopilot.status.mode is Mode.HOLD
 
 
-def test_on_the_ground_moved_sticks_change_no_mode(flight):
+def test_on_the_ground_moved_sticks_change_no_mode(flight: Flight) -> None:
     flight.run(2.0)
     for forward in (0.0, 1.0, 0.0, 1.0):
         flight.autopilot.manual_control(

@@ -22,19 +22,21 @@ SMALL = 0.02  # rad
         ((0.0, 0.0, SMALL), (0.0, 0.0, 2.8 * SMALL)),
     ],
 )
-def test_small_errors_are_met_with_the_gains(euler, rates):
+def test_small_errors_are_met_with_the_gains(
+    euler: tuple[float, float, float], rates: tuple[float, float, float]
+) -> None:
     wanted = quaternion_from_euler(*euler)
     assert turning_rates(LEVEL, wanted, 0.0, PARAMETERS) == pytest.approx(rates, rel=1e-3, abs=1e-6)
 
 
 @given(roll=st.floats(-1.4, 1.4), pitch=st.floats(-1.4, 1.4), yaw=ANGLES)
-def test_no_error_asks_for_no_rate(roll, pitch, yaw):
+def test_no_error_asks_for_no_rate(roll: float, pitch: float, yaw: float) -> None:
     q = quaternion_from_euler(roll, pitch, yaw)
     assert turning_rates(q, q, 0.0, PARAMETERS) == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
 
 
 @given(roll=ANGLES, pitch=st.floats(-1.5, 1.5), yaw=ANGLES, rate=st.floats(-3.0, 3.0))
-def test_rates_stay_within_their_limits(roll, pitch, yaw, rate):
+def test_rates_stay_within_their_limits(roll: float, pitch: float, yaw: float, rate: float) -> None:
     wanted = quaternion_from_euler(roll, pitch, yaw)
     p, q, r = turning_rates(LEVEL, wanted, rate, PARAMETERS)
     assert max(abs(p), abs(q)) <= math.radians(220.0) + 1e-6
@@ -42,7 +44,7 @@ def test_rates_stay_within_their_limits(roll, pitch, yaw, rate):
 
 
 @given(tilt=st.floats(0.2, 1.0), yaw=st.floats(-3.0, 3.0))
-def test_either_sign_of_the_quaternion_means_the_same(tilt, yaw):
+def test_either_sign_of_the_quaternion_means_the_same(tilt: float, yaw: float) -> None:
     wanted = quaternion_from_euler(tilt, 0.0, yaw)
     w, x, y, z = wanted
     assert turning_rates(LEVEL, wanted, 0.0, PARAMETERS) == pytest.approx(
@@ -50,7 +52,7 @@ def test_either_sign_of_the_quaternion_means_the_same(tilt, yaw):
     )
 
 
-def test_yaw_rate_feeds_forward_about_the_vertical():
+def test_yaw_rate_feeds_forward_about_the_vertical() -> None:
     assert turning_rates(LEVEL, LEVEL, 0.5, PARAMETERS) == pytest.approx((0.0, 0.0, 0.5))
     pitched = quaternion_from_euler(0.0, 0.3, 0.0)
     assert turning_rates(pitched, pitched, 0.5, PARAMETERS) == pytest.approx(
@@ -58,7 +60,7 @@ def test_yaw_rate_feeds_forward_about_the_vertical():
     )
 
 
-def test_without_weight_on_yaw_only_the_tilt_is_corrected():
+def test_without_weight_on_yaw_only_the_tilt_is_corrected() -> None:
     parameters = AttitudeParameters.resolve(Parameters({"MC_YAW_WEIGHT": 0.0}).values)
     wanted = quaternion_from_euler(0.5, 0.0, 2.0)
     p, q, r = turning_rates(LEVEL, wanted, 0.0, parameters)
@@ -69,14 +71,14 @@ def test_without_weight_on_yaw_only_the_tilt_is_corrected():
     assert r == 0.0
 
 
-def test_a_large_heading_error_does_not_hurry_the_tilt():
+def test_a_large_heading_error_does_not_hurry_the_tilt() -> None:
     wanted = quaternion_from_euler(0.5, 0.0, 2.0)
     p, q, r = turning_rates(LEVEL, wanted, 0.0, PARAMETERS)
     assert math.hypot(p, q) <= 8.0 * math.sin(0.25) + 1e-9
     assert 0.0 < r < 2.8 * 2.0
 
 
-def test_upside_down_finds_its_way():
+def test_upside_down_finds_its_way() -> None:
     wanted = quaternion_from_euler(math.pi, 0.0, 0.0)
     rates = turning_rates(LEVEL, wanted, 0.0, PARAMETERS)
     assert all(math.isfinite(rate) for rate in rates)

@@ -12,7 +12,7 @@ LEVER = 0.174  # m
 YAW_ARM = 0.016  # m
 
 
-def torques(motors) -> tuple[float, float, float]:
+def torques(motors: tuple[float, float, float, float]) -> tuple[float, float, float]:
     """Roll, pitch, yaw that the rotors give, on the mixer's own scale."""
     rows = zip(motors, X500.rotors.positions_frd_m, X500.rotors.yaw_moments_m, strict=True)
     roll = pitch = yaw = 0.0
@@ -28,12 +28,12 @@ def torques(motors) -> tuple[float, float, float]:
     )
 
 
-def test_thrust_alone_goes_to_all_rotors_alike():
+def test_thrust_alone_goes_to_all_rotors_alike() -> None:
     motors, _ = MIXER.mix((0.0, 0.0, 0.0), 0.4)
     assert motors == pytest.approx((0.4,) * 4)
 
 
-def test_unit_torques_have_the_scale_of_px4():
+def test_unit_torques_have_the_scale_of_px4() -> None:
     motors, _ = MIXER.mix((0.1, 0.0, 0.0), 0.5)
     assert motors == pytest.approx(
         (0.5 - 0.0707, 0.5 + 0.0707, 0.5 + 0.0707, 0.5 - 0.0707), abs=1e-4
@@ -44,13 +44,17 @@ def test_unit_torques_have_the_scale_of_px4():
 
 @given(roll=TORQUES, pitch=TORQUES, yaw=TORQUES, thrust=st.floats(0.0, 1.0))
 @example(roll=0.0, pitch=1.0, yaw=0.0, thrust=5.7e-220)  # rounding leaves less than no room
-def test_rotors_stay_within_their_range(roll, pitch, yaw, thrust):
+def test_rotors_stay_within_their_range(
+    roll: float, pitch: float, yaw: float, thrust: float
+) -> None:
     motors, _ = MIXER.mix((roll, pitch, yaw), thrust)
     assert all(0.0 <= motor <= 1.0 for motor in motors)
 
 
 @given(roll=TORQUES, pitch=TORQUES, yaw=TORQUES, thrust=st.floats(0.0, 1.0))
-def test_torque_is_never_reversed_nor_thrust_raised(roll, pitch, yaw, thrust):
+def test_torque_is_never_reversed_nor_thrust_raised(
+    roll: float, pitch: float, yaw: float, thrust: float
+) -> None:
     motors, _ = MIXER.mix((roll, pitch, yaw), thrust)
     for given_torque, wanted in zip(torques(motors), (roll, pitch, yaw), strict=True):
         assert given_torque * wanted >= -1e-9
@@ -64,14 +68,14 @@ def test_torque_is_never_reversed_nor_thrust_raised(roll, pitch, yaw, thrust):
     yaw=st.floats(-0.15, 0.15),
     thrust=st.floats(0.4, 0.6),
 )
-def test_what_fits_is_given_exactly(roll, pitch, yaw, thrust):
+def test_what_fits_is_given_exactly(roll: float, pitch: float, yaw: float, thrust: float) -> None:
     motors, saturated = MIXER.mix((roll, pitch, yaw), thrust)
     assert torques(motors) == pytest.approx((roll, pitch, yaw), abs=1e-12)
     assert sum(motors) / 4.0 == pytest.approx(thrust)
     assert saturated == (0.0, 0.0, 0.0)
 
 
-def test_yaw_gives_way_before_roll_and_pitch():
+def test_yaw_gives_way_before_roll_and_pitch() -> None:
     motors, saturated = MIXER.mix((0.3, -0.2, 1.0), 0.5)
     roll, pitch, yaw = torques(motors)
     assert (roll, pitch) == pytest.approx((0.3, -0.2))
@@ -79,12 +83,12 @@ def test_yaw_gives_way_before_roll_and_pitch():
     assert saturated == (0.0, 0.0, 1.0)
 
 
-def test_full_thrust_gives_way_to_roll():
+def test_full_thrust_gives_way_to_roll() -> None:
     motors, _ = MIXER.mix((0.4, 0.0, 0.0), 1.0)
     assert torques(motors)[0] == pytest.approx(0.4)
 
 
-def test_no_thrust_means_no_torque():
+def test_no_thrust_means_no_torque() -> None:
     motors, saturated = MIXER.mix((0.4, -0.3, 0.2), 0.0)
     assert motors == pytest.approx((0.0,) * 4)
     assert saturated == (1.0, -1.0, 1.0)

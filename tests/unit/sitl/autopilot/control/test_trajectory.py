@@ -13,7 +13,7 @@ AGILITY = Agility(acceleration_m_s2=3.0, jerk_m_s3=4.0)
 
 @settings(deadline=None, max_examples=25)
 @given(distance=st.floats(0.3, 30.0), cruise=st.floats(2.0, 8.0))
-def test_approach_arrives_without_overshoot(distance, cruise):
+def test_approach_arrives_without_overshoot(distance: float, cruise: float) -> None:
     trajectory = Trajectory(ZERO, ZERO, ZERO)
     furthest = fastest = 0.0
     for _ in range(int((10.0 + 2.0 * distance / cruise) / TICK_S)):
@@ -28,7 +28,7 @@ def test_approach_arrives_without_overshoot(distance, cruise):
 
 @settings(deadline=None, max_examples=25)
 @given(speed=st.floats(-8.0, 8.0))
-def test_stop_ends_at_rest_within_the_limits(speed):
+def test_stop_ends_at_rest_within_the_limits(speed: float) -> None:
     trajectory = Trajectory(ZERO, (speed, 0.0, 0.0), ZERO)
     before = 0.0
     for _ in range(int(6.0 / TICK_S)):
@@ -41,7 +41,7 @@ def test_stop_ends_at_rest_within_the_limits(speed):
     assert trajectory.north.position * speed >= 0.0
 
 
-def test_speed_is_reached_and_kept():
+def test_speed_is_reached_and_kept() -> None:
     trajectory = Trajectory(ZERO, ZERO, ZERO)
     for _ in range(int(4.0 / TICK_S)):
         trajectory.down.lead(0.7, AGILITY)
@@ -49,7 +49,7 @@ def test_speed_is_reached_and_kept():
     assert trajectory.acceleration[2] == 0.0
 
 
-def test_height_is_approached_from_either_side():
+def test_height_is_approached_from_either_side() -> None:
     for start in (-10.0, 5.0):
         trajectory = Trajectory((0.0, 0.0, start), ZERO, ZERO)
         for _ in range(int(10.0 / TICK_S)):
@@ -57,7 +57,7 @@ def test_height_is_approached_from_either_side():
         assert trajectory.position[2] == pytest.approx(-3.0, abs=0.01)
 
 
-def test_waits_for_a_vehicle_that_is_far_behind():
+def test_waits_for_a_vehicle_that_is_far_behind() -> None:
     trajectory = Trajectory((5.0, 0.0, 0.0), ZERO, ZERO)
     assert trajectory.lags((2.9, 0.0, 0.0))
     assert not trajectory.lags((3.1, 0.0, 50.0))

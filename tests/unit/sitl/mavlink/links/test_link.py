@@ -126,8 +126,8 @@ def test_a_tap_sees_both_directions() -> None:
         def __init__(self) -> None:
             self.packets: list[tuple[int, bytes]] = []
 
-        def record(self, raw: bytes, *, link: int) -> None:
-            self.packets.append((link, raw))
+        def record(self, *packets: bytes, link: int) -> None:
+            self.packets += [(link, raw) for raw in packets]
 
     with Peer() as peer:
         config = LinkConfig(name="api", local_port=0, remote_port=peer.port)

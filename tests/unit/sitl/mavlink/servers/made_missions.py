@@ -58,7 +58,7 @@ def count(number: int, kind: int = 0) -> Message:
 
 def item(sequence: int, kind: int = 0, **changes: Any) -> Message:
     """MISSION_ITEM_INT: a waypoint, a fence or a rally point."""
-    known = kind in iter(PlanKind)
+    known = kind in set(PlanKind)
     fields: dict[str, Any] = {
         "target_system": 1,
         "target_component": 1,

@@ -1,3 +1,5 @@
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -10,7 +12,7 @@ from sitl.mavlink.wire.packets import MAX_BAD_PACKETS, Packed, Received, pack, s
 from tests.unit.sitl.mavlink.fakes import FakeVehicle
 
 
-def wrapped(message: object, **header: int) -> bytes:
+def wrapped(message: object, **header: Any) -> bytes:
     values = {"sequence": 0, "system": 1, "component": 1} | header
     return wrap(pack(message), **values)
 
@@ -25,6 +27,7 @@ HEARTBEAT = mavlink.MAVLink_heartbeat_message(2, 12, 29, 0x03040000, 3, 3)
 @pytest.mark.parametrize("message_id", sorted(ENCODERS))
 def test_packets_are_those_that_pymavlink_makes(message_id: int) -> None:
     message = ENCODERS[message_id](View(FakeVehicle()))
+    assert message is not None
     peer = mavlink.MAVLink(None, srcSystem=7, srcComponent=25)
     peer.seq = 200
     assert wrapped(message, sequence=200, system=7, component=25) == message.pack(peer)

@@ -12,7 +12,7 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "vehicle.params"
 
 
-def test_what_is_changed_is_there_again_in_the_next_run(path):
+def test_what_is_changed_is_there_again_in_the_next_run(path: Path) -> None:
     parameters = Parameters()
     kept = ParameterFile(path, parameters)
     parameters.set("COM_OF_LOSS_T", 2.3)
@@ -31,7 +31,7 @@ def test_what_is_changed_is_there_again_in_the_next_run(path):
     ]
 
 
-def test_a_link_stays_a_link_and_what_is_private_private(path, tmp_path):
+def test_a_link_stays_a_link_and_what_is_private_private(path: Path, tmp_path: Path) -> None:
     path.write_text("")
     path.chmod(0o600)
     link = tmp_path / "link.params"
@@ -46,13 +46,15 @@ def test_a_link_stays_a_link_and_what_is_private_private(path, tmp_path):
 
 
 @pytest.mark.parametrize("folder", ["vehicle.params", "nowhere"])
-def test_a_file_that_could_not_be_kept_is_said_at_once(path, tmp_path, folder):
+def test_a_file_that_could_not_be_kept_is_said_at_once(
+    path: Path, tmp_path: Path, folder: str
+) -> None:
     path.write_text("")
     with pytest.raises(UsageError, match=f"can't write to the folder .*{folder}"):
         ParameterFile(tmp_path / folder / "x.params", Parameters())
 
 
-def test_a_default_of_old_is_forgotten(path):
+def test_a_default_of_old_is_forgotten(path: Path) -> None:
     parameters = Parameters()
     kept = ParameterFile(path, parameters)
     parameters.set("NAV_DLL_ACT", 2)
@@ -62,12 +64,14 @@ def test_a_default_of_old_is_forgotten(path):
     assert "NAV_DLL_ACT" not in path.read_text()
 
 
-def test_nothing_is_written_while_nothing_changes(path):
+def test_nothing_is_written_while_nothing_changes(path: Path) -> None:
     ParameterFile(path, Parameters()).save()
     assert not path.exists()
 
 
-def test_names_of_other_vehicles_are_passed_over(path, caplog):
+def test_names_of_other_vehicles_are_passed_over(
+    path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     path.write_text("# a comment\n\n1\t1\tSOMETHING_ELSE\t1\t6\n1\t1\tNAV_DLL_ACT\t1\t6\n")
     parameters = Parameters()
     ParameterFile(path, parameters)
@@ -83,13 +87,15 @@ def test_names_of_other_vehicles_are_passed_over(path, caplog):
         ("1\t1\tNAV_DLL_ACT\tmany\t6", "must be a number"),
     ],
 )
-def test_what_cannot_be_is_named(path, line, reason):
+def test_what_cannot_be_is_named(path: Path, line: str, reason: str) -> None:
     path.write_text(line + "\n")
     with pytest.raises(UsageError, match=reason):
         ParameterFile(path, Parameters())
 
 
-def test_a_file_that_cannot_be_written_is_told_of_and_the_flight_goes_on(tmp_path, caplog):
+def test_a_file_that_cannot_be_written_is_told_of_and_the_flight_goes_on(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     parameters = Parameters()
     folder = tmp_path / "gone"
     folder.mkdir()
@@ -100,6 +106,6 @@ def test_a_file_that_cannot_be_written_is_told_of_and_the_flight_goes_on(tmp_pat
     assert "not saved" in caplog.text
 
 
-def test_a_folder_is_no_file(tmp_path):
+def test_a_folder_is_no_file(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="can't read"):
         ParameterFile(tmp_path, Parameters())

@@ -4,7 +4,6 @@ import contextlib
 import socket
 from collections.abc import Iterator
 
-import cv2
 import numpy as np
 import pytest
 
@@ -12,6 +11,7 @@ from sitl.errors import LinkError
 from sitl.process.streams.camera_stream import MAX_CLIENTS, CameraStream
 from sitl.process.streams.http_stream import MAX_REQUEST_BYTES
 from sitl.records.images import Image
+from tests.pictures import decoded
 
 GET_STREAM = b"GET /stream HTTP/1.1\r\nHost: localhost\r\n\r\n"
 
@@ -75,7 +75,7 @@ def test_parts_are_stamped_and_lossless(stream: CameraStream) -> None:
         assert headers["Content-Type"] == "image/png"
         assert headers["X-Sequence"] == str(sequence)
         assert headers["X-Timestamp"] == f"{sequence * 0.052:.6f}"
-        bgr = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+        bgr = decoded(data)
         assert np.array_equal(bgr[:, :, ::-1], image.rgb)
     viewer.socket.close()
 
@@ -95,7 +95,7 @@ def test_jpeg_for_those_who_ask(stream: CameraStream) -> None:
     stream.publish(make_image(0))
     headers, data = viewer.read_part()
     assert headers["Content-Type"] == "image/jpeg"
-    assert cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR).shape == (64, 64, 3)
+    assert decoded(data).shape == (64, 64, 3)
     viewer.socket.close()
 
 

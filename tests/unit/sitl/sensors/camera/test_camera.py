@@ -1,7 +1,9 @@
 import math
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from sitl.frames import quaternion_from_euler
 from sitl.records.course import Gate
@@ -13,26 +15,29 @@ LEVEL = quaternion_from_euler(0.0, 0.0, 0.0)
 EYE = (0.0, 0.0, -3.0)
 
 
-def gate_at(north, east=0.0, height=3.0, yaw=0.0):
+def gate_at(north: float, east: float = 0.0, height: float = 3.0, yaw: float = 0.0) -> Gate:
     return Gate(index=0, centre_ned=(north, east, -height), yaw_rad=yaw)
 
 
 @pytest.fixture
-def camera():
+def camera() -> Iterator[Camera]:
     camera = Camera((gate_at(4.0),), draw_look(np.random.default_rng(2)))
     yield camera
     camera.close()
 
 
-def changed_pixels(camera, gate, q=LEVEL):
+def changed_pixels(
+    camera: Camera, gate: Gate, q: tuple[float, float, float, float] = LEVEL
+) -> NDArray[np.bool]:
     camera.place_gates((gate,))
     with_gate = camera.render(EYE, q).astype(int)
     camera.place_gates((gate_at(-500.0),))
     without = camera.render(EYE, q).astype(int)
-    return np.abs(with_gate - without).sum(axis=2) > 30
+    seen: NDArray[np.bool] = np.abs(with_gate - without).sum(axis=2) > 30
+    return seen
 
 
-def test_a_gate_has_its_size_at_its_distance(camera):
+def test_a_gate_has_its_size_at_its_distance(camera: Camera) -> None:
     mask = changed_pixels(camera, gate_at(4.0))
     columns = np.flatnonzero(mask.any(axis=0))
     outer_px = columns[-1] - columns[0] + 1
@@ -53,14 +58,14 @@ def test_a_gate_has_its_size_at_its_distance(camera):
         (gate_at(4.0, height=1.5), "bottom"),
     ],
 )
-def test_a_gate_appears_on_its_side(camera, gate, side):
+def test_a_gate_appears_on_its_side(camera: Camera, gate: Gate, side: str) -> None:
     rows, columns = np.nonzero(changed_pixels(camera, gate))
     where = {"right": columns.mean() > 36, "left": columns.mean() < 27}
     where |= {"top": rows.mean() < 27, "bottom": rows.mean() > 36}
     assert where[side]
 
 
-def test_the_camera_turns_and_tilts_with_the_body(camera):
+def test_the_camera_turns_and_tilts_with_the_body(camera: Camera) -> None:
     ahead = gate_at(4.0)
     turned_right = changed_pixels(camera, ahead, quaternion_from_euler(0.0, 0.0, 0.3))
     assert np.nonzero(turned_right)[1].mean() < 27  # the scene moves left
@@ -72,7 +77,7 @@ def test_the_camera_turns_and_tilts_with_the_body(camera):
     assert np.nonzero(right_wing_down)[0].mean() < 27  # what is right moves up
 
 
-def test_ground_and_sky_meet_at_the_horizon(camera):
+def test_ground_and_sky_meet_at_the_horizon(camera: Camera) -> None:
     camera.place_gates((gate_at(-500.0),))
     image = camera.render(EYE, LEVEL).astype(float)
     look = camera.look
@@ -82,7 +87,7 @@ def test_ground_and_sky_meet_at_the_horizon(camera):
     assert np.abs(sky - ground).max() > 20
 
 
-def test_the_same_pose_gives_the_same_bytes(camera):
+def test_the_same_pose_gives_the_same_bytes(camera: Camera) -> None:
     other = Camera((gate_at(4.0),), camera.look)
     try:
         assert np.array_equal(camera.render(EYE, LEVEL), other.render(EYE, LEVEL))
@@ -90,7 +95,7 @@ def test_the_same_pose_gives_the_same_bytes(camera):
         other.close()
 
 
-def test_textures_tile_and_differ():
+def test_textures_tile_and_differ() -> None:
     texture = make_texture(0)
     seam = np.abs(texture[:, 0] - texture[:, -1]).mean()
     inside = np.abs(np.diff(texture, axis=1)).mean()
@@ -98,7 +103,7 @@ def test_textures_tile_and_differ():
     assert not np.array_equal(texture, make_texture(1))
 
 
-def test_looks_differ_by_seed_and_stay_in_range():
+def test_looks_differ_by_seed_and_stay_in_range() -> None:
     looks = [draw_look(np.random.default_rng(seed)) for seed in range(50)]
     assert len({look.gate_colour for look in looks}) == 50
     for look in looks:

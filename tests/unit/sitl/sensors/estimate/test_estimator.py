@@ -1,4 +1,5 @@
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -46,7 +47,9 @@ def make_estimator(seed: int = 0) -> Estimator:
         (1_000_000, True, True, True),
     ],
 )
-def test_becomes_valid_step_by_step(time_us, attitude, altitude, position):
+def test_becomes_valid_step_by_step(
+    time_us: int, *, attitude: bool, altitude: bool, position: bool
+) -> None:
     for estimate in (
         PerfectEstimator().update(state(time_us)),
         make_estimator().update(state(time_us), readings()),
@@ -57,7 +60,9 @@ def test_becomes_valid_step_by_step(time_us, attitude, altitude, position):
 
 
 @pytest.mark.parametrize(("settled_s", "position_s"), [(1.0, 1.0), (8.5, 4.0)])
-def test_the_position_is_known_before_the_estimate_has_settled(settled_s, position_s):
+def test_the_position_is_known_before_the_estimate_has_settled(
+    settled_s: float, position_s: float
+) -> None:
     late = Estimator(np.random.default_rng(0), ZERO, ZERO, settled_s=settled_s)
     perfect = PerfectEstimator(settled_s=settled_s)
     for give in (late.update, perfect.update):
@@ -66,7 +71,7 @@ def test_the_position_is_known_before_the_estimate_has_settled(settled_s, positi
         assert [e.settled for e in known] == [t * 0.5 >= settled_s for t in range(20)]
 
 
-def test_a_start_in_the_air_is_aligned():
+def test_a_start_in_the_air_is_aligned() -> None:
     late = make_estimator()
     late.align()
     for estimate in (
@@ -79,11 +84,11 @@ def test_a_start_in_the_air_is_aligned():
         assert estimate.settled
 
 
-def test_the_perfect_estimate_is_the_state():
+def test_the_perfect_estimate_is_the_state() -> None:
     assert PerfectEstimator().update(state(4000))[:6] == state(4000)
 
 
-def test_is_one_tick_late():
+def test_is_one_tick_late() -> None:
     estimator = make_estimator()
     estimator.update(state(0), readings())
     jumped = state(4000)._replace(position_ned=(101.0, 2.0, -3.0))
@@ -93,7 +98,7 @@ def test_is_one_tick_late():
     assert estimator.update(jumped, readings()).position_ned[0] == pytest.approx(101.0, abs=1.0)
 
 
-def test_the_biases_of_the_inertial_unit_are_learnt():
+def test_the_biases_of_the_inertial_unit_are_learnt() -> None:
     sensors = Sensors([5], altitude_m=0.0)
     imu = sensors.imu
     estimator = Estimator(np.random.default_rng(0), imu.gyro_bias_frd, imu.accelerometer_bias_frd)
@@ -104,7 +109,7 @@ def test_the_biases_of_the_inertial_unit_are_learnt():
     assert np.mean(rates, axis=0) == pytest.approx((0.01, 0.02, 0.03), abs=1e-4)
 
 
-def test_errors_are_as_large_as_in_a_hover_of_a_running_px4():
+def test_errors_are_as_large_as_in_a_hover_of_a_running_px4() -> None:
     errors = [Drift(normals(np.random.default_rng(seed))) for seed in range(200)]
     for error in errors:
         for _ in range(2500):
@@ -117,7 +122,7 @@ def test_errors_are_as_large_as_in_a_hover_of_a_running_px4():
     assert velocities.std(axis=0) == pytest.approx((0.06, 0.06, 0.02), rel=0.25)
 
 
-def test_the_accuracy_is_told_and_grows_without_aid():
+def test_the_accuracy_is_told_and_grows_without_aid() -> None:
     estimator = make_estimator()
     estimator.align()
     aided = estimator.update(state(0), readings()).accuracy_m
@@ -133,7 +138,7 @@ def test_the_accuracy_is_told_and_grows_without_aid():
     assert PerfectEstimator().update(state(0), blind).accuracy_m == (0.0, 0.0)
 
 
-def test_the_velocity_error_is_what_moves_the_position_error():
+def test_the_velocity_error_is_what_moves_the_position_error() -> None:
     error = Drift(normals(np.random.default_rng(1)))
     x0 = error.position_ned[0]
     moved = pulled = 0.0
@@ -144,7 +149,7 @@ def test_the_velocity_error_is_what_moves_the_position_error():
     assert error.position_ned[0] - x0 == pytest.approx(moved + pulled, abs=1e-9)
 
 
-def test_the_attitude_error_is_a_small_turn():
+def test_the_attitude_error_is_a_small_turn() -> None:
     error = Drift(normals(np.random.default_rng(2)))
     q = quaternion_from_euler(0.3, -0.2, 2.0)
     turned = error.turn(q)
@@ -154,7 +159,9 @@ def test_the_attitude_error_is_a_small_turn():
     assert math.dist(down, true_down) < math.radians(0.15) * 5  # five sigma
 
 
-def test_dead_reckoning_counts_for_five_seconds_and_the_position_comes_back_with_the_receiver():
+def test_dead_reckoning_counts_for_five_seconds_and_the_position_comes_back_with_the_receiver() -> (
+    None
+):
     estimator = make_estimator()
     blind = readings(ALL_WELL._replace(gps=False))
     valid_until = 0
@@ -171,7 +178,7 @@ def test_dead_reckoning_counts_for_five_seconds_and_the_position_comes_back_with
     assert math.dist(back.position_ned, state(0).position_ned) < min(1.0, lost_m)
 
 
-def test_height_needs_the_receiver_or_the_barometer():
+def test_height_needs_the_receiver_or_the_barometer() -> None:
     estimator = make_estimator()
     estimator.align()
     blind = readings(ALL_WELL._replace(gps=False, barometer=False))
@@ -180,7 +187,7 @@ def test_height_needs_the_receiver_or_the_barometer():
 
 
 @pytest.mark.parametrize("sensor", ["gyro", "accelerometer"])
-def test_nothing_is_valid_without_the_inertial_unit(sensor):
+def test_nothing_is_valid_without_the_inertial_unit(sensor: str) -> None:
     estimator = make_estimator()
     estimator.align()
     estimate = estimator.update(state(4000), readings(ALL_WELL._replace(**{sensor: False})))
@@ -190,11 +197,14 @@ def test_nothing_is_valid_without_the_inertial_unit(sensor):
 
 
 @pytest.mark.parametrize(("sensor", "reading"), [("gyro", 0), ("accelerometer", 1)])
-def test_a_shaken_estimate_is_as_good_as_before_once_its_inertial_unit_is_back(sensor, reading):
+def test_a_shaken_estimate_is_as_good_as_before_once_its_inertial_unit_is_back(
+    sensor: str, reading: int
+) -> None:
     estimator = Estimator(np.random.default_rng(0), ZERO, ZERO, rotor_noise_share=1.0)
     estimator.align()
     well = readings()
-    wrong = well._replace(**{("rates_frd", "specific_force_frd")[reading]: (0.3, -3.0, 30.0)})
+    noisy: dict[str, Any] = {("rates_frd", "specific_force_frd")[reading]: (0.3, -3.0, 30.0)}
+    wrong = well._replace(**noisy)
     ill = wrong._replace(health=ALL_WELL._replace(**{sensor: False}))
     for tick in range(250):  # not yet found out
         astray = estimator.update(state(4000 * tick), wrong)
@@ -212,7 +222,7 @@ def test_a_shaken_estimate_is_as_good_as_before_once_its_inertial_unit_is_back(s
     assert 2.0 * math.hypot(x, y) < 5.0 * math.sqrt(2.0) * shaken.TILT_STD_RAD
 
 
-def test_a_position_without_a_receiver_stays_lost_when_the_inertial_unit_is_back():
+def test_a_position_without_a_receiver_stays_lost_when_the_inertial_unit_is_back() -> None:
     estimator = Estimator(np.random.default_rng(0), ZERO, ZERO, rotor_noise_share=1.0)
     estimator.align()
     well, wrong = readings(), readings()._replace(specific_force_frd=(3.0, 0.0, -9.8))

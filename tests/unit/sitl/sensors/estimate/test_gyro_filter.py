@@ -17,7 +17,7 @@ def passed_share(frequency_hz: float) -> float:
     return float(np.abs(taken[1250:]).max())
 
 
-def test_starts_with_the_first_sample():
+def test_starts_with_the_first_sample() -> None:
     smooth = GyroFilter()
     for _ in range(5):
         assert smooth.update((0.3, -0.2, 0.1)) == pytest.approx((0.3, -0.2, 0.1))
@@ -28,11 +28,11 @@ def test_starts_with_the_first_sample():
 @pytest.mark.parametrize(
     ("frequency_hz", "share"), [(1.0, 1.0), (CUTOFF_HZ, math.sqrt(0.5)), (110.0, 0.01)]
 )
-def test_is_a_low_pass(frequency_hz, share):
+def test_is_a_low_pass(frequency_hz: float, share: float) -> None:
     assert passed_share(frequency_hz) == pytest.approx(share, abs=0.02)
 
 
-def test_axes_do_not_mix():
+def test_axes_do_not_mix() -> None:
     smooth, alone = GyroFilter(), GyroFilter()
     for tick in range(100):
         value = math.sin(tick)

@@ -76,7 +76,8 @@ def spread(rate: Matrix, noise: Matrix) -> Matrix:
     """Standard deviations of x' = rate x + white noise, after a long time (Lyapunov's equation)."""
     one = np.eye(len(rate))
     covariance = np.linalg.solve(np.kron(rate, one) + np.kron(one, rate), -noise.ravel())
-    return np.sqrt(covariance.reshape(rate.shape).diagonal())
+    spread: NDArray[np.float64] = np.sqrt(covariance.reshape(rate.shape).diagonal())
+    return spread
 
 
 def horizontal_spread(accelerometer_std: float, gyro_std: float) -> Matrix:
