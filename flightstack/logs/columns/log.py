@@ -31,6 +31,8 @@ class Log:
     empty table. `packets` and `time_us` cover all that was selected, in file order.
     """
 
+    is_telemetry = True  # it came over a link; else it is the vehicle's own log
+
     def __init__(
         self,
         source: ByteSource,
@@ -71,7 +73,15 @@ class Log:
         """How many messages of each type there are, UNKNOWN_<id> included, most first."""
         ids, counts = np.unique(self.packets.msgid, return_counts=True)
         pairs = sorted(zip(counts.tolist(), ids.tolist(), strict=True), key=lambda p: (-p[0], p[1]))
-        return {message_name(msgid): count for count, msgid in pairs}
+        return {self.name_of(msgid): count for count, msgid in pairs}
+
+    def name_of(self, msgid: int) -> str:
+        """Return the name of the messages with this id; UNKNOWN_<id> where the dialect has none."""
+        return message_name(msgid)
+
+    def id_of(self, name: str) -> int:
+        """Return the id of the messages called `name`; UnknownNameError names the nearest."""
+        return message_id(name)
 
     @cached_property
     def losses(self) -> "tuple[SourceLoss, ...]":

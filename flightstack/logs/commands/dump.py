@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.reading import read
 from flightstack.logs.commands.arguments import names_in, writing
+from flightstack.logs.errors import LogFileError
 from flightstack.logs.text.lines import LineOptions, csv_columns, lines
 from flightstack.logs.tlog.packets import LINK_BITS, NO_TIME
 
@@ -44,7 +45,8 @@ def _holds(condition: str, log: Log, part: Log) -> NDArray[np.bool_]:
     """Return for which packets of a part of the log the condition holds."""
     from flightstack.logs.columns.expression import holds  # noqa: PLC0415  # it takes a while to import
 
-    return holds(condition, log, np.searchsorted(log.packets.offset, part.packets.offset))
+    rows = np.searchsorted(log.packets.offset, part.packets.offset, side="right") - 1
+    return holds(condition, log, rows)
 
 
 def chosen(arguments: Namespace) -> Log:
@@ -72,6 +74,8 @@ def chosen(arguments: Namespace) -> Log:
 
 def write_tlog(log: Log, path: "Path") -> None:
     """Write the log's packets to a new tlog, each with its time."""
+    if not log.is_telemetry:
+        raise LogFileError(f"{log.name} holds no MAVLink packets to write; use the command export")
     times = np.where(log.packets.time_us == NO_TIME, log.time_us, log.packets.time_us)
     rows = (times.view(np.uint64).tolist(), log.packets.offset.tolist(), log.packets.end.tolist())
     with writing(path, remedy=""), path.open("wb") as file:

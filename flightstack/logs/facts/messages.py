@@ -5,7 +5,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from flightstack.logs.columns.log import Log
-from flightstack.logs.dialect.message_types import message_name
 from flightstack.logs.facts.values import Facts
 
 
@@ -20,7 +19,7 @@ def message_facts(log: Log) -> Iterator[Facts]:
         times = log.time_us[order[start : start + count]]
         span_s = float(times.max() - times.min()) * 1e-6
         yield {
-            "type": message_name(value >> 16),
+            "type": log.name_of(value >> 16),
             "system": value >> 8 & 0xFF,
             "component": value & 0xFF,
             "count": count,
