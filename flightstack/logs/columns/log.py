@@ -63,9 +63,13 @@ class Log:
         """What the log is called in messages: its path."""
         return self.source.name
 
-    @cached_property
+    @property
     def whole(self) -> "Log":
         """The log with all of its packets, whatever was selected of it."""
+        return self if self._read_whole is None else self._whole_again  # no cycle of itself
+
+    @cached_property
+    def _whole_again(self) -> "Log":
         return self if self._read_whole is None else self._read_whole()
 
     @cached_property

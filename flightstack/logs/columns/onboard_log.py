@@ -7,7 +7,6 @@ among them where it is asked for by name, as in `select(types=["ATTITUDE"])`.
 
 from collections.abc import Iterable
 from fnmatch import fnmatchcase
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -47,7 +46,7 @@ class OnboardLog(Log):
         """The log's time minus the time since the vehicle's boot."""
         return self.records.utc_offset_us
 
-    @cached_property
+    @property
     def whole(self) -> Log:
         """The log with all of its records, whatever was selected of it."""
         return OnboardLog(self._placement, self._placement.packets, self._placement.time_us)
