@@ -8,6 +8,7 @@ from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from flightstack.errors import FlightstackError
+from flightstack.logs.printable import printable
 from flightstack.logs.process import imported, keep_freed_memory, single_threaded_numpy
 
 if TYPE_CHECKING:
@@ -51,6 +52,7 @@ def _add_dump(parser: argparse.ArgumentParser) -> None:
     add("--from", dest="start", type=float, metavar="S", help="seconds since the log's start")
     add("--to", dest="end", type=float, metavar="S", help="seconds since the log's start")
     add("-o", "--output", type=_path, metavar="TLOG", help="write matching records to a tlog")
+    add("--raw-cells", action="store_true", help="CSV: leave texts that start like formulas")
     add("-q", "--quiet", action="store_true", help="print nothing")
     add("--robust", action="store_true", help="accepted for mavlogdump's sake: always so")
     add("--no-bad-data", action="store_true", help="accepted for mavlogdump's sake: always so")
@@ -89,6 +91,7 @@ def _add_export(parser: argparse.ArgumentParser) -> None:
     add("--format", choices=("csv", "parquet", "mcap"), help="default: by the output's ending")
     add("-o", "--output", type=_path, metavar="PATH", help="file (MCAP) or folder (CSV, Parquet)")
     add("--types", metavar="A,B", help="message types, comma separated, with wildcards")
+    add("--raw-cells", action="store_true", help="CSV: leave texts that start like formulas")
 
 
 def _add_follow(parser: argparse.ArgumentParser) -> None:
@@ -202,6 +205,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
             import json  # noqa: PLC0415  # --help needs none
 
             print(json.dumps({"error": str(error)}))
-        print(f"error: {error}", file=sys.stderr)
+        print(f"error: {printable(str(error))}", file=sys.stderr)
         return error.exit_code
     return code

@@ -18,9 +18,12 @@ def link_loss(flight: Flight) -> Verdict:
     """Judge the worst loss of any sender."""
     if not flight.log.is_telemetry:
         return Level.SKIPPED, "the vehicle's own log came over no link"
-    senders = [loss for loss in flight.log.losses if loss.received >= FEW]
-    if not senders:
+    many = [loss for loss in flight.log.losses if loss.received >= FEW]
+    if not many:
         return Level.SKIPPED, "too few messages"
+    senders = [loss for loss in many if loss.is_clear]
+    if not senders:
+        return Level.SKIPPED, "no sender's numbers are one counter's"
     worst = max(senders, key=lambda loss: loss.fraction)
     reason = f"{worst.fraction:.2%} of {worst.system}/{worst.component} ({worst.lost} messages)"
     return graded(worst.fraction, warning=LOSS_WARNING, error=LOSS_ERROR), reason
@@ -35,6 +38,9 @@ def link_loss(flight: Flight) -> Verdict:
 def file_damage(flight: Flight) -> Verdict:
     """Judge what the file has lost."""
     damage = flight.log.damage
+    if damage.line_ends:
+        lost = f"; {damage.lost_bytes} bytes lost" if damage.lost_bytes else ""
+        return Level.WARNING, f"{damage.line_ends}{lost}"
     if not damage.regions:
         return Level.OK, "every byte belongs to a whole record"
     if damage.is_cut and len(damage.regions) == 1:
@@ -47,8 +53,9 @@ def file_damage(flight: Flight) -> Verdict:
 @check(
     "clock",
     title="Clock",
-    meaning="Times in the log that run backwards or leap ahead. Rates, latencies and "
-    "durations across a jump are wrong.",
+    meaning="Times in the log that run backwards or leap ahead: the writer's clock was set, "
+    "or logging paused. Durations across a jump come from the autopilot's own clock, where it "
+    "tells one.",
 )
 def clock(flight: Flight) -> Verdict:
     """Judge jumps of the log's clock."""
@@ -67,12 +74,12 @@ def clock(flight: Flight) -> Verdict:
 @check(
     "ending",
     title="How the log ends",
-    meaning="A log that ends in the air was cut off by a crash, a lost link, or a process "
-    "that died.",
+    meaning="A log that ends while the vehicle is under way, or armed, was cut off: by a crash, "
+    "a lost link, or a process that died.",
 )
 def how_it_ends(flight: Flight) -> Verdict:
     """Judge whether the log ends on the ground."""
     if flight.vehicle is None:
         return Level.SKIPPED, "no autopilot in the log"
-    how = flight.ending
-    return (Level.WARNING if how.startswith(("in the air", "on the ground")) else Level.OK), how
+    is_cut_short = flight.ends_under_way or flight.ends_armed
+    return (Level.WARNING if is_cut_short else Level.OK), flight.ending

@@ -3,8 +3,11 @@
 import numpy as np
 
 from flightstack.logs.checks.registry import Level, Verdict, check, graded
+from flightstack.logs.columns.time_axis import measured_us, without_copies
 from flightstack.logs.flight.flight import Flight
+from flightstack.logs.flight.outputs import motor_outputs
 from flightstack.logs.flight.setpoints import within
+from flightstack.logs.flight.vehicle import Interval
 
 OSCILLATION_HZ = (2.0, 12.0)  # slower is flying, faster is vibration that telemetry cannot show
 OSCILLATION_RAD_S = 0.35  # root mean square of a rate within that band
@@ -16,7 +19,11 @@ SATURATED_SHARE = 0.02  # of the samples with a motor at its limit
 LOW_PERCENT = 20
 CRITICAL_PERCENT = 10
 
-NOT_FLYING = (Level.SKIPPED, "the vehicle did not fly")
+NOT_FLYING = (Level.SKIPPED, "the vehicle was never under way")
+
+
+def _overlap(one: Interval, other: Interval) -> bool:
+    return one.start_us < other.end_us and other.start_us < one.end_us
 
 
 @check(
@@ -28,13 +35,16 @@ NOT_FLYING = (Level.SKIPPED, "the vehicle did not fly")
 def failsafe(flight: Flight) -> Verdict:
     """Judge whether a failsafe was active."""
     said = [text.text for text in flight.texts if "failsafe" in text.text.lower()]
-    if flight.failsafes:
-        first = flight.failsafes[0]
+    spans = flight.failsafes
+    armed = [span for span in spans if any(_overlap(span, each) for each in flight.armed)]
+    if armed or spans:
+        first = (armed or spans)[0]
         at_s = flight.seconds(first.start_us)
-        reason = (
-            f"{len(flight.failsafes)} times, first at {at_s:.1f} s for {first.duration_s:.1f} s"
-        )
-        return Level.ERROR, reason
+        count = len(armed or spans)
+        reason = f"{count} times, first at {at_s:.1f} s for {first.duration_s:.1f} s"
+        if armed:
+            return Level.ERROR, reason
+        return Level.WARNING, f"critical or worse while disarmed: {reason}"
     if said:
         return Level.WARNING, f"{said[0]!r}"
     return (Level.OK, "none") if flight.vehicle else (Level.SKIPPED, "no autopilot in the log")
@@ -49,10 +59,10 @@ def failsafe(flight: Flight) -> Verdict:
 def oscillation(flight: Flight) -> Verdict:
     """Judge the swing of the body rates within a band of frequencies."""
     table = flight.of_vehicle("ATTITUDE")
-    table = table.take(within(table.time_us, flight.flying))
+    table = without_copies(table.take(within(table.time_us, flight.outings)))
     if len(table) < MIN_SAMPLES:
         return Level.SKIPPED, "too little attitude in flight"
-    step_s = float(np.median(np.diff(table.time_us))) * 1e-6
+    step_s = float(np.median(np.diff(measured_us(table)))) * 1e-6
     if step_s <= 0 or 0.5 / step_s < OSCILLATION_HZ[0]:
         return Level.SKIPPED, "attitude was logged too slowly to see it"
     worst = 0.0
@@ -76,10 +86,10 @@ def oscillation(flight: Flight) -> Verdict:
 def estimate_jump(flight: Flight) -> Verdict:
     """Judge steps of the position that the velocity does not explain."""
     motion = flight.motion
-    flown = within(motion.time_us, flight.flying)
+    flown = within(motion.time_us, flight.outings)
     if np.count_nonzero(flown) < 2:
         return NOT_FLYING
-    step_s = np.diff(motion.time_us[flown]) * 1e-6
+    step_s = np.diff(motion.measured_us[flown]) * 1e-6
     mean_velocity = (motion.velocity_ned[flown][1:] + motion.velocity_ned[flown][:-1]) / 2
     moved = np.diff(motion.position_ned[flown], axis=0)
     soon = (step_s >= 0) & (step_s < 0.5)
@@ -101,10 +111,13 @@ def estimate_jump(flight: Flight) -> Verdict:
 def motor_saturation(flight: Flight) -> Verdict:
     """Judge how often a motor output stands at a limit in flight."""
     table = flight.of_vehicle("SERVO_OUTPUT_RAW")
-    table = table.take(within(table.time_us, flight.flying) & (table["port"] == 0))
+    motors = motor_outputs(flight)
+    if not motors:
+        return Level.SKIPPED, "nothing tells which outputs are motors"
+    table = table.take(within(table.time_us, flight.outings) & (table["port"] == 0))
     if len(table) < 2:
         return Level.SKIPPED, "no motor outputs in flight"
-    outputs = np.stack([table[f"servo{i}_raw"] for i in range(1, 5)], axis=1)
+    outputs = np.stack([table[f"servo{number}_raw"] for number in motors], axis=1)
     low, high = MOTOR_LIMITS_US
     at_limit = ((outputs >= high) | ((outputs <= low) & (outputs > 0))).any(axis=1)
     share = float(at_limit.mean())
@@ -120,10 +133,9 @@ def motor_saturation(flight: Flight) -> Verdict:
 )
 def battery(flight: Flight) -> Verdict:
     """Judge the lowest charge that was reported."""
-    remaining = flight.of_vehicle("SYS_STATUS")["battery_remaining"]
-    known = remaining[remaining >= 0]
+    known = flight.battery.percent
     if not len(known):
-        return Level.SKIPPED, "no battery state in the log"
+        return Level.SKIPPED, "no charge of a battery in the log"
     lowest = int(known.min())
     reason = f"{lowest} % at the least"
     if lowest < CRITICAL_PERCENT:

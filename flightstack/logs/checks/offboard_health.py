@@ -7,6 +7,7 @@ from flightstack.logs.flight.decisions import UNITS, VELOCITIES
 from flightstack.logs.flight.flight import Flight
 
 MIN_RATE_HZ = 2.0  # PX4 documents more than 2 Hz for OFFBOARD
+GUIDED_LOSS_S = 3.0  # ArduPilot stops a vehicle this long after its last velocity
 LOSS_S = 1.0  # PX4 COM_OF_LOSS_T: OFFBOARD is left after this long without a setpoint
 STALE_MS = 100.0  # two images at 20 Hz: the setpoint answers what is long past
 LATE_MS = 50.0  # one image at 20 Hz
@@ -16,7 +17,7 @@ TRACKING_LIMITS = (0.5, 0.5, 0.5, 0.3)  # m/s, m/s, m/s, rad/s: root mean square
 SATURATED_SHARE = 0.2
 
 NOT_SENT = (Level.SKIPPED, "the vehicle's own log does not hold what was sent to it")
-NOT_OFFBOARD = (Level.SKIPPED, "nothing was flown in OFFBOARD")
+NOT_OFFBOARD = (Level.SKIPPED, "nothing was flown in OFFBOARD, or GUIDED")
 
 
 @check(
@@ -39,21 +40,25 @@ def course(flight: Flight) -> Verdict:
 @check(
     "setpoint_rate",
     title="Setpoint rate",
-    meaning="PX4 leaves OFFBOARD when no setpoint came for 1 s, and wants more than 2 Hz. "
+    meaning="PX4 leaves OFFBOARD when no setpoint came for 1 s, and wants more than 2 Hz; "
+    "ArduPilot in GUIDED stops 3 s after the last velocity. "
     "Gaps mean that the companion stalled, or that the link dropped its setpoints.",
 )
 def setpoint_rate(flight: Flight) -> Verdict:
     """Judge the gaps between setpoints while OFFBOARD."""
-    if not flight.offboard:
-        return NOT_OFFBOARD
-    if not flight.log.is_telemetry:
-        return NOT_SENT
+    if not flight.offboard or not flight.log.is_telemetry:
+        return NOT_SENT if flight.offboard else NOT_OFFBOARD
+    mode = flight.offboard[0].label
     times = flight.offboard_setpoint_times
+    if not flight.streams_setpoints:
+        return Level.SKIPPED, f"nobody streams setpoints in this log; {mode} was flown without"
     if len(times) < 2:
-        return Level.ERROR, "no setpoints in the log while the vehicle was in OFFBOARD"
+        return Level.ERROR, f"no setpoints in the log while the vehicle was in {mode}"
     longest_s = float(np.diff(times).max()) * 1e-6
     rate_hz = len(times) / max(sum(span.duration_s for span in flight.offboard), 1e-3)
     reason = f"{rate_hz:.1f} Hz, longest gap {longest_s:.2f} s"
+    if mode != "OFFBOARD":
+        return graded(longest_s, warning=GUIDED_LOSS_S), f"{mode}: {reason}"
     if longest_s >= LOSS_S or rate_hz < MIN_RATE_HZ:
         return Level.ERROR, reason
     return (Level.WARNING if longest_s > 1 / MIN_RATE_HZ else Level.OK), reason

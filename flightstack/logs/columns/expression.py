@@ -1,7 +1,8 @@
 """Compute with message fields: "degrees(ATTITUDE.roll) > 20 and HEARTBEAT.base_mode & 128".
 
 The language is Python's expressions over the latest value of every message, as in mavlogdump's
-conditions; it is walked as a tree and computed on whole columns, never handed to eval.
+conditions, but of the vehicle, where it sends that message; it is walked as a tree and computed on
+whole columns, never handed to eval.
 """
 
 import ast
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.senders import Participant, of_vehicle
 from flightstack.logs.dialect.message_types import message_id
 from flightstack.logs.errors import ExpressionError, UnknownNameError
 
@@ -104,8 +106,9 @@ def parse(text: str, id_of: Callable[[str], int] = message_id) -> Expression:
 class _Evaluator:
     """Walks an expression's tree for the packets `rows` of a log."""
 
-    def __init__(self, log: Log, rows: Rows, text: str) -> None:
+    def __init__(self, log: Log, rows: Rows, text: str, vehicle: Participant | None) -> None:
         self.log = log
+        self.vehicle = vehicle  # whose messages are read, where it sends them
         self.rows = rows
         self.text = text
         self.known = np.ones(len(rows), dtype=np.bool_)  # all messages read so far were seen
@@ -186,7 +189,7 @@ class _Evaluator:
         pair = _message_and_field(node)
         if pair is None:
             raise self.wrong(f"{ast.unparse(node)!r} is not MESSAGE.field")
-        table = self.log[pair[0]]
+        table = of_vehicle(self.log[pair[0]], self.vehicle)
         column = table[pair[1]]
         place = np.searchsorted(table.row, self.rows, side="right") - 1
         self.known &= place >= 0
@@ -209,10 +212,12 @@ HANDLERS: dict[type[ast.expr], Callable[[_Evaluator, Any], Value]] = {
 }
 
 
-def evaluate(expression: Expression, log: Log, rows: Rows) -> tuple[Value, NDArray[np.bool_]]:
+def evaluate(
+    expression: Expression, log: Log, rows: Rows, vehicle: Participant | None = None
+) -> tuple[Value, NDArray[np.bool_]]:
     """Return the value at each of these packets, and where all its messages had been seen."""
     log.load(expression.messages)
-    walker = _Evaluator(log, rows, expression.text)
+    walker = _Evaluator(log, rows, expression.text, vehicle)
     try:
         with np.errstate(all="ignore"):
             value = walker.value(expression.tree)
@@ -223,16 +228,20 @@ def evaluate(expression: Expression, log: Log, rows: Rows) -> tuple[Value, NDArr
     return value, walker.known
 
 
-def holds(condition: str, log: Log, rows: Rows) -> NDArray[np.bool_]:
+def holds(
+    condition: str, log: Log, rows: Rows, vehicle: Participant | None = None
+) -> NDArray[np.bool_]:
     """Return at which of these packets a condition holds; not where a message was not yet seen."""
-    value, known = evaluate(parse(condition, log.id_of), log, rows)
+    value, known = evaluate(parse(condition, log.id_of), log, rows, vehicle)
     truth = np.asarray(value)
     if truth.ndim > 1 or truth.dtype.kind not in "biuf":
         raise ExpressionError(f"{condition!r} is no condition: {SYNTAX}")
     return np.broadcast_to(truth.astype(np.bool_), known.shape) & known
 
 
-def series(text: str, log: Log) -> tuple[NDArray[np.int64], NDArray[np.float64], str]:
+def series(
+    text: str, log: Log, vehicle: Participant | None = None
+) -> tuple[NDArray[np.int64], NDArray[np.float64], str]:
     """Return times, values and unit of a field or expression, at each message that it reads."""
     expression = parse(text, log.id_of)
     if not expression.messages:
@@ -242,8 +251,9 @@ def series(text: str, log: Log) -> tuple[NDArray[np.int64], NDArray[np.float64],
     if len(present) < len(expression.messages):
         missing = next(m for m in expression.messages if m not in present)
         raise UnknownNameError(f"{log.name} holds no {missing}; see the command messages")
-    rows = np.unique(np.concatenate([log[message].row for message in present]))
-    value, known = evaluate(expression, log, rows)
+    read = [of_vehicle(log[message], vehicle) for message in present]
+    rows = np.unique(np.concatenate([table.row for table in read]))
+    value, known = evaluate(expression, log, rows, vehicle)
     values = np.broadcast_to(np.asarray(value), (len(rows), *np.shape(value)[1:]))[known]
     if values.ndim != 1 or values.dtype.kind not in "biuf":
         hint = "name one element, as in FIELD[0]" if values.ndim > 1 else "it is text"

@@ -7,8 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs.columns.log import Log
-from flightstack.logs.columns.reading import read_bytes
+from flightstack.logs.columns.reading import from_packets
 from flightstack.logs.errors import LogFileError
+from flightstack.logs.tlog.packets import join
+from flightstack.logs.tlog.scanner import scan
+from flightstack.logs.tlog.source import MemorySource
 
 MAX_PENDING_BYTES = 1 << 16  # bytes that may wait for the rest of a packet
 
@@ -22,7 +25,8 @@ class PieceReader:
     def feed(self, data: bytes) -> Log:
         """Return the packets that are now whole."""
         self._pending += data
-        log = read_bytes(self._pending)
+        source = MemorySource(np.frombuffer(self._pending, dtype=np.uint8))
+        log = from_packets(source, join(list(scan(source))))
         used = int(log.packets.end[-1]) if len(log) else 0
         self._pending = self._pending[used:][-MAX_PENDING_BYTES:]
         return log

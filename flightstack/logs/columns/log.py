@@ -17,11 +17,12 @@ from flightstack.logs.dialect.message_types import (
     message_name,
     message_type,
 )
-from flightstack.logs.tlog.packets import Packets
+from flightstack.logs.tlog.packets import Packets, tally
 from flightstack.logs.tlog.source import ByteSource, mapped
 
 if TYPE_CHECKING:
-    from flightstack.logs.tlog.damage import Damage, SourceLoss
+    from flightstack.logs.tlog.damage import Damage
+    from flightstack.logs.tlog.losses import SourceLoss
 
 
 class Log:
@@ -75,9 +76,13 @@ class Log:
     @cached_property
     def counts(self) -> dict[str, int]:
         """How many messages of each type there are, UNKNOWN_<id> included, most first."""
-        ids, counts = np.unique(self.packets.msgid, return_counts=True)
-        pairs = sorted(zip(counts.tolist(), ids.tolist(), strict=True), key=lambda p: (-p[0], p[1]))
-        return {self.name_of(msgid): count for count, msgid in pairs}
+        pairs = sorted(self._held.items(), key=lambda pair: (-pair[1], pair[0]))
+        return {self.name_of(msgid): count for msgid, count in pairs}
+
+    @cached_property
+    def _held(self) -> dict[int, int]:
+        """How many messages of each id there are."""
+        return tally(self.packets.msgid)
 
     def name_of(self, msgid: int) -> str:
         """Return the name of the messages with this id; UNKNOWN_<id> where the dialect has none."""
@@ -90,9 +95,11 @@ class Log:
     @cached_property
     def losses(self) -> "tuple[SourceLoss, ...]":
         """What the sequence numbers of every sender tell about the link."""
-        from flightstack.logs.tlog.damage import find_losses  # noqa: PLC0415  # few ask for it
+        from flightstack.logs.columns.boot_clock import CLOCKED, restart_rows  # noqa: PLC0415
+        from flightstack.logs.tlog.losses import find_losses  # noqa: PLC0415  # few ask for it
 
-        return find_losses(self.packets)
+        tables = [self[name] for name in CLOCKED if name in self]
+        return find_losses(self.packets, restart_rows(tables))
 
     @cached_property
     def damage(self) -> "Damage":
@@ -106,7 +113,11 @@ class Log:
         types = {message_id(name) for name in names} - self._tables.keys()
         if not types:
             return
-        rows = {msgid: np.flatnonzero(self.packets.msgid == msgid) for msgid in types}
+        none = np.empty(0, dtype=np.intp)
+        rows = {
+            msgid: np.flatnonzero(self.packets.msgid == msgid) if msgid in self._held else none
+            for msgid in types
+        }
         kinds = {msgid: _type_or_raw(msgid) for msgid in types}
         parts = {msgid: self.packets.take(rows[msgid]) for msgid in types}
         wanted = {m: (parts[m], kinds[m].size) for m in types if len(parts[m])}
@@ -170,10 +181,10 @@ class Log:
         UnknownNameError where a pattern is no message of the dialect at all.
         """
         patterns = list(patterns)
-        for pattern in patterns:
-            if not any(fnmatchcase(name, pattern) for name in ids_by_name()):
-                message_id(pattern)
         held = {name: message_id(name) for name in self.counts}
+        for pattern in patterns:
+            if not any(fnmatchcase(name, pattern) for name in (*held, *ids_by_name())):
+                message_id(pattern)
         return [held[n] for n in held if any(fnmatchcase(n, pattern) for pattern in patterns)]
 
 

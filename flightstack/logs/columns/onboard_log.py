@@ -22,7 +22,8 @@ from flightstack.logs.onboard.topics import OnboardRecords
 from flightstack.logs.tlog.packets import Packets
 
 if TYPE_CHECKING:
-    from flightstack.logs.tlog.damage import Damage, SourceLoss
+    from flightstack.logs.tlog.damage import Damage
+    from flightstack.logs.tlog.losses import SourceLoss
 
 
 class OnboardLog(Log):
@@ -108,7 +109,9 @@ class OnboardLog(Log):
             )
             for lost in self.records.lost
         )  # fmt: skip
-        return Damage(regions=regions, has_times=True, mended_times=0, jumps=(), duplicates=0)
+        return Damage(
+            regions=regions, has_times=True, mended_times=0, jumps=(), duplicates=0, line_ends=""
+        )
 
     def load(self, names: Iterable[str]) -> None:
         """Make the tables of several types."""

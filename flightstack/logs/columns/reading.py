@@ -8,14 +8,14 @@ from os import PathLike
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.columns.boot_clock import times_since_boot_us
 from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.time_axis import axis_of
 from flightstack.logs.dialect.message_types import ids_by_name, message_id
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.onboard.kinds import read_onboard
-from flightstack.logs.tlog import clock
 from flightstack.logs.tlog.chain import find_chained
-from flightstack.logs.tlog.packets import IS_UNKNOWN, NO_TIME, Packets, join
+from flightstack.logs.tlog.line_ends import restored_line_ends
+from flightstack.logs.tlog.packets import IS_UNKNOWN, Packets, join
 from flightstack.logs.tlog.scanner import scan
 from flightstack.logs.tlog.source import (
     WINDOW_BYTES,
@@ -32,10 +32,7 @@ def from_packets(source: ByteSource, packets: Packets) -> Log:
     """Return a log of packets that were found in `source`."""
     if (packets.flags & IS_UNKNOWN).any():
         packets = packets.take(~implausible(packets))
-    if len(packets) and bool((packets.time_us == NO_TIME).all()):
-        return Log(source, packets, times_since_boot_us(source, packets))
-    times, _ = clock.mend(packets.time_us)
-    return Log(source, packets, times)
+    return Log(source, packets, axis_of(source, packets))
 
 
 def _known_ids(patterns: Iterable[str]) -> list[int] | None:
@@ -50,10 +47,19 @@ def _known_ids(patterns: Iterable[str]) -> list[int] | None:
     return sorted(found)
 
 
+def _restored(log: Log, window_bytes: int = WINDOW_BYTES) -> Log:
+    """Return the log of the bytes as they were before line endings in them were converted."""
+    restored = restored_line_ends(log.source, log.packets)
+    if restored is None:
+        return log
+    again = from_packets(restored, join(list(scan(restored, window_bytes))))
+    return again if len(again) > len(log) else log
+
+
 def _read_whole(source: ByteSource, window_bytes: int = WINDOW_BYTES) -> Log:
     """Return the log with all of its packets; LogFileError where there are none."""
     source = held(source)
-    log = from_packets(source, join(list(scan(source, window_bytes))))
+    log = _restored(from_packets(source, join(list(scan(source, window_bytes)))), window_bytes)
     if not len(log):
         raise LogFileError(
             f"{source.name} holds no MAVLink packet: it is no tlog, or damaged throughout"
@@ -113,7 +119,7 @@ def read(
 def read_bytes(data: bytes | NDArray[np.uint8], name: str = "memory") -> Log:
     """Read a log from memory; one that holds no packet is an empty log."""
     source = MemorySource(np.frombuffer(data, dtype=np.uint8), name)
-    return from_packets(source, join(list(scan(source))))
+    return _restored(from_packets(source, join(list(scan(source)))))
 
 
 def read_windows(

@@ -41,12 +41,18 @@ def _reduced(log: Log, rate_hz: float) -> NDArray[np.bool_]:
     return keep
 
 
-def _holds(condition: str, log: Log, part: Log) -> NDArray[np.bool_]:
-    """Return for which packets of a part of the log the condition holds."""
-    from flightstack.logs.columns.expression import holds  # noqa: PLC0415  # it takes a while to import
+def _holds(condition: str, log: Log, part: Log, system: int | None) -> NDArray[np.bool_]:
+    """Return for which packets of a part of the log the condition holds, of the vehicle."""
+    # expressions take a while to import
+    from flightstack.logs.columns.expression import holds  # noqa: PLC0415
+    from flightstack.logs.columns.senders import (  # noqa: PLC0415
+        find_participants,
+        main_autopilot,
+    )
 
+    vehicle = main_autopilot(find_participants(log), system)
     rows = np.searchsorted(log.packets.offset, part.packets.offset, side="right") - 1
-    return holds(condition, log, rows)
+    return holds(condition, log, rows, vehicle)
 
 
 def chosen(arguments: Namespace) -> Log:
@@ -66,7 +72,7 @@ def chosen(arguments: Namespace) -> Log:
     if arguments.link is not None:
         part = part.rows((part.packets.time_us & LINK_BITS) == arguments.link)
     if arguments.condition:
-        part = part.rows(_holds(arguments.condition, log, part))
+        part = part.rows(_holds(arguments.condition, log, part, system))
     if arguments.reduce_rate > 0:
         part = part.rows(_reduced(part, arguments.reduce_rate))
     return part
@@ -103,6 +109,7 @@ def run(arguments: Namespace) -> int:
         show_source=arguments.show_source,
         show_sequence=arguments.show_seq,
         csv_columns=columns,
+        raw_cells=arguments.raw_cells,
     )
     if columns:
         print(options.separator.join(("timestamp", *columns)), flush=True)

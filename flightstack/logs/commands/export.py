@@ -31,7 +31,8 @@ def run(arguments: Namespace) -> int:
     output: Path = arguments.output or default
     writer = importlib.import_module(f"flightstack.logs.export.{kind}")
     with writing(output):
-        written = getattr(writer, f"write_{kind}")(log, output)
+        options = {"raw_cells": arguments.raw_cells} if kind == "csv" else {}
+        written = getattr(writer, f"write_{kind}")(log, output, **options)
     if arguments.json:
         print(json.dumps({"written": [str(path) for path in written], "messages": len(log)}))
     else:

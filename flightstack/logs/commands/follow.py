@@ -10,6 +10,7 @@ from flightstack.logs.columns.log import Log
 from flightstack.logs.commands.arguments import names_in
 from flightstack.logs.facts.events import LiveEvents
 from flightstack.logs.facts.values import Facts
+from flightstack.logs.printable import printable
 from flightstack.logs.text.lines import LineOptions, lines
 
 PAUSE_S = 0.05
@@ -26,7 +27,7 @@ def _said(event: Facts) -> str:
         return f"{event['rate_hz']:8.1f} messages/s  " + ", ".join(parts)
     stamp = time.strftime("%H:%M:%S", time.localtime(event["time_us"] * 1e-6))
     level = f"{event['level']}: " if "level" in event else ""
-    return f"{stamp}  {event['source']:>7}  {event['event']:8}  {level}{event['text']}"
+    return f"{stamp}  {event['source']:>7}  {event['event']:8}  {level}{printable(event['text'])}"
 
 
 def _show(event: Facts, *, as_json: bool) -> None:

@@ -8,6 +8,7 @@ from flightstack.logs.commands.opening import open_flight
 from flightstack.logs.errors import UnknownNameError
 from flightstack.logs.flight.parameters import read_parameters
 from flightstack.logs.nearest import did_you_mean
+from flightstack.logs.printable import printable
 
 
 def _chosen(names: list[str], patterns: list[str], log: str) -> list[str]:
@@ -44,10 +45,10 @@ def run(arguments: Namespace) -> int:
         print(json.dumps(facts))
         return 0
     if not parameters.values:
-        print(f"{flight.log.name}: the vehicle told no parameters")
+        print(f"{printable(flight.log.name)}: the vehicle told no parameters")
     for name in names:
-        print(f"{name:16} {parameters.values[name]}")
+        print(f"{printable(name):16} {parameters.values[name]}")
     for change in changes:
         at_s = flight.seconds(change.time_us)
-        print(f"{at_s:9.2f} s  {change.name}: {change.before} to {change.after}")
+        print(f"{at_s:9.2f} s  {printable(change.name)}: {change.before} to {change.after}")
     return 0

@@ -35,7 +35,7 @@ def _groups(flight: Flight, fields: list[str]) -> dict[str, list[tuple[str, Any,
     """Return the series by unit: those of one unit share one plot."""
     groups: dict[str, list[tuple[str, Any, Any]]] = {}
     for field in fields:
-        times, values, unit = series(field, flight.log)
+        times, values, unit = series(field, flight.log, flight.autopilot)
         seconds = (times - flight.start_us) * 1e-6
         groups.setdefault(unit, []).append((field, seconds, values))
     return groups

@@ -16,6 +16,7 @@ from flightstack.logs.facts.merging import merge_parts
 from flightstack.logs.facts.summary import summarise
 from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.flight import Flight
+from flightstack.logs.printable import printable
 from flightstack.logs.progress import progress
 from flightstack.logs.text.summary_text import one_line, page
 
@@ -66,7 +67,7 @@ def run(arguments: Namespace) -> int:
                 exit_code = facts.exit_code
                 if arguments.json:
                     print(json.dumps({"log": str(log), "error": str(facts)}))
-                print(f"error: {facts}", file=sys.stderr)
+                print(f"error: {printable(str(facts))}", file=sys.stderr)
             else:
                 _say(facts, as_json=arguments.json, in_a_row=True)
             done(number)

@@ -59,7 +59,9 @@ def run(arguments: Namespace) -> int:
     flight = open_flight(arguments.log, arguments.system)
     failure = find_failure(flight, arguments.frames, arguments.seconds)
     if failure is None:
-        print(json.dumps({"failure": None}) if arguments.json else "no gate was missed in this log")
+        has_course = bool(flight.course_events or flight.gates or flight.gates_passed)
+        none = "no gate was missed in this log" if has_course else "there is no course in this log"
+        print(json.dumps({"failure": None}) if arguments.json else none)
         return 0
     if arguments.output is not None:
         from flightstack.logs.report.strip_picture import draw_strip  # noqa: PLC0415

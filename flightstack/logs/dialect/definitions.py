@@ -25,8 +25,9 @@ NUMPY_FORMATS = {
     "f": "<f4",
     "d": "<f8",
 }
-FORMAT = 3  # of the cache's file; raise it when Definition changes
+FORMAT = 4  # of the cache's file; raise it when Definition changes
 DIALECT = "dialects/v20/all.py"
+VERSION_1 = "pymavlink.dialects.v10.all"  # the same messages without their extensions
 
 
 class Definition(NamedTuple):
@@ -35,6 +36,7 @@ class Definition(NamedTuple):
     name: str
     crc_extra: int
     size: int  # bytes of an untrimmed payload, extensions included
+    base_size: int  # the same without extensions, as version 1 sends it
     wire: str  # name:format:count,... as the fields lie on the wire; format is numpy's
     fields: str  # name:unit:enum:is_bitmask:is_text:length,... in the order of the definition
 
@@ -91,11 +93,13 @@ def _fields(definition: Any) -> list[list[Any]]:
 
 def from_pymavlink() -> dict[int, Definition]:
     """Return the definitions as the dialect has them, by id."""
+    first = importlib.import_module(VERSION_1).mavlink_map
     return {
         msgid: Definition(
             name=definition.msgname,
             crc_extra=definition.crc_extra,
             size=definition.unpacker.size,
+            base_size=first.get(msgid, definition).unpacker.size,
             wire=_text(_wire(definition)),
             fields=_text(_fields(definition)),
         )
@@ -133,8 +137,8 @@ def _kept(stamp: list[Any]) -> dict[int, Definition] | None:
         return None  # none yet, or not what was written: they are made anew
     kept = {}
     for line in lines.splitlines():
-        msgid, name, crc_extra, size, wire, fields = line.split("\t")
-        kept[int(msgid)] = Definition(name, int(crc_extra), int(size), wire, fields)
+        msgid, name, crc_extra, size, base, wire, fields = line.split("\t")
+        kept[int(msgid)] = Definition(name, int(crc_extra), int(size), int(base), wire, fields)
     return kept
 
 

@@ -16,6 +16,7 @@ from flightstack.logs.errors import UnknownNameError
 from flightstack.logs.nearest import did_you_mean
 
 MSGID_LIMIT = 1 << 24  # message ids of MAVLink 2 have 24 bits
+OTHER_DEFINITION = MSGID_LIMIT  # this bit marks a known id under a definition that is not ours
 
 
 class Field(NamedTuple):
@@ -78,9 +79,9 @@ def ids_by_name() -> dict[str, int]:
 
 
 def message_name(msgid: int) -> str:
-    """Return the name of a message id; UNKNOWN_<id> where the dialect has none."""
+    """Return the name of a message id; UNKNOWN_<id> where the dialect has no such definition."""
     definition = definitions().get(msgid)
-    return f"UNKNOWN_{msgid}" if definition is None else definition.name
+    return f"UNKNOWN_{msgid % MSGID_LIMIT}" if definition is None else definition.name
 
 
 def message_id(name: str) -> int:
@@ -90,7 +91,8 @@ def message_id(name: str) -> int:
         return found
     unknown = name.removeprefix("UNKNOWN_")
     if unknown != name and unknown.isdigit() and int(unknown) < MSGID_LIMIT:
-        return int(unknown)
+        msgid = int(unknown)
+        return msgid | OTHER_DEFINITION if msgid in definitions() else msgid
     raise UnknownNameError(
         f"no MAVLink message is called {name!r}{did_you_mean(name, ids_by_name())}"
     )
@@ -102,6 +104,7 @@ class PacketTables(NamedTuple):
     ids: NDArray[np.uint32]  # sorted
     crc_extra: NDArray[np.uint16]  # of ids
     size: NDArray[np.int64]  # of ids
+    base_size: NDArray[np.int64]  # of ids, without extensions
     row_of_low_id: NDArray[np.int32]  # (65536,) row in ids, -1 where unknown
 
 
@@ -117,6 +120,7 @@ def packet_tables() -> PacketTables:
         ids=np.array(ids, dtype=np.uint32),
         crc_extra=np.array([row.crc_extra for row in rows], dtype=np.uint16),
         size=np.array([row.size for row in rows], dtype=np.int64),
+        base_size=np.array([row.base_size for row in rows], dtype=np.int64),
         row_of_low_id=row_of_low_id,
     )
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.table import Table
+from flightstack.logs.printable import harmless_cell
 from flightstack.logs.text import fast_text
 
 CHUNK = 8_000
@@ -27,8 +28,13 @@ def _quoted(text: str) -> str:
     return '"' + text.replace('"', '""') + '"'
 
 
-def rows(table: Table) -> bytes:
-    """Return the rows of a table as CSV."""
+def _harmless(text: str) -> str:
+    return _quoted(harmless_cell(text))
+
+
+def rows(table: Table, *, raw_cells: bool = False) -> bytes:
+    """Return the rows of a table as CSV; raw cells may be formulas to a spreadsheet."""
+    cell = _quoted if raw_cells else _harmless
     whole, rest = np.divmod(table.time_us, 1_000_000)
     micros = fast_text.from_texts([f"{part:06d}" for part in rest.tolist()])
     parts: list[fast_text.Part] = [whole, ".", micros]
@@ -37,7 +43,7 @@ def rows(table: Table) -> bytes:
     for field in table.fields:
         column = table[field.name]
         if field.is_text:
-            parts += [",", fast_text.from_texts([_quoted(text) for text in column.tolist()])]
+            parts += [",", fast_text.from_texts([cell(text) for text in column.tolist()])]
         elif field.length:
             for index in range(field.length):
                 parts += [",", column[:, index]]
@@ -46,7 +52,7 @@ def rows(table: Table) -> bytes:
     return fast_text.text_of(fast_text.beside([*parts, "\n"], len(table)))
 
 
-def write_csv(log: Log, folder: Path) -> list[Path]:
+def write_csv(log: Log, folder: Path, *, raw_cells: bool = False) -> list[Path]:
     """Write one file a message type into a folder and return their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     written = []
@@ -56,6 +62,7 @@ def write_csv(log: Log, folder: Path) -> list[Path]:
         with path.open("wb") as file:
             file.write((",".join(header(table)) + "\n").encode())
             for start in range(0, len(table), CHUNK):
-                file.write(rows(table.take(slice(start, start + CHUNK))))
+                part = table.take(slice(start, start + CHUNK))
+                file.write(rows(part, raw_cells=raw_cells))
         written.append(path)
     return written

@@ -4,12 +4,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.senders import AUTOPILOT_INVALID
 from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.course import REFEREE
 from flightstack.logs.flight.modes import mode_name
 from flightstack.logs.flight.texts import status_texts
-from flightstack.logs.flight.vehicle import ARMED, AUTOPILOT_INVALID
-from flightstack.logs.tlog.damage import find_losses
+from flightstack.logs.flight.vehicle import ARMED
+from flightstack.logs.tlog.losses import find_losses
 from flightstack.logs.tlog.packets import Packets, join
 
 

@@ -45,17 +45,24 @@ def _shifted(rows: list[Facts], shift_s: float, offset: int) -> list[Facts]:
     return moved
 
 
-def _joined_spans(one: list[Facts], other: list[Facts]) -> list[Facts]:
-    """Return spans of both parts; one that goes on in the next part is one."""
+def _joined_spans(one: list[Facts], other: list[Facts], *, goes_on: bool) -> list[Facts]:
+    """Return spans of both parts; one that goes on in the next part is one.
+
+    With `goes_on` each span lasts until the next begins, as a mode does.
+    """
     if not one or not other:
         return [*one, *other]
     last, first = one[-1], other[0]
-    label = [key for key in last if key not in ("start_s", "duration_s")]
+    label = last.keys() - {"start_s", "duration_s", "to_the_end"}
     gap_s = first["start_s"] - last["start_s"] - last["duration_s"]
-    if any(last[key] != first.get(key) for key in label) or gap_s > SAME_SPAN_S:
-        return [*one, *other]
-    duration_s = first["start_s"] + first["duration_s"] - last["start_s"]
-    return [*one[:-1], {**last, "duration_s": round(duration_s, 3)}, *other[1:]]
+    if all(last[key] == first.get(key) for key in label) and gap_s <= SAME_SPAN_S:
+        duration_s = first["start_s"] + first["duration_s"] - last["start_s"]
+        joined = {**first, "start_s": last["start_s"], "duration_s": round(duration_s, 3)}
+        return [*one[:-1], joined, *other[1:]]
+    if last.get("to_the_end"):
+        until_s = first["start_s"] - last["start_s"] if goes_on else last["duration_s"]
+        last = {**last, "duration_s": round(until_s, 3), "to_the_end": False}
+    return [*one[:-1], last, *other]
 
 
 def _joined_links(one: list[Facts], other: list[Facts]) -> list[Facts]:
@@ -139,7 +146,8 @@ def _measured(name: str, one: Facts, other: Facts, joint: Joint) -> Facts:
 BY_KEY: dict[str, Join] = {
     **dict.fromkeys(FIRST, lambda one, _other, _: one),
     **dict.fromkeys(ALL, lambda one, other, _: one and other),
-    **dict.fromkeys(SPANS, lambda one, other, _: _joined_spans(one, other)),
+    **dict.fromkeys(SPANS, lambda one, other, _: _joined_spans(one, other, goes_on=False)),
+    "modes": lambda one, other, _: _joined_spans(one, other, goes_on=True),
     "links": lambda one, other, _: _joined_links(one, other),
     "checks": lambda one, other, joint: _joined_checks(one, other, joint.shift_s),
     "counts": lambda one, other, _: _joined_counts(one, other),

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from flightstack.logs.columns.log import Log
-from flightstack.logs.facts.values import Facts
+from flightstack.logs.facts.values import Facts, rate_hz
 
 
 def message_facts(log: Log) -> Iterator[Facts]:
@@ -23,7 +23,7 @@ def message_facts(log: Log) -> Iterator[Facts]:
             "system": value >> 8 & 0xFF,
             "component": value & 0xFF,
             "count": count,
-            "rate_hz": round((count - 1) / span_s, 2) if span_s > 0 else None,
+            "rate_hz": rate_hz(count, span_s),
             "first_s": round(float(times[0] - start_us) * 1e-6, 3),
             "last_s": round(float(times[-1] - start_us) * 1e-6, 3),
         }

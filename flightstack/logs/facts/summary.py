@@ -4,13 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs.checks.registry import Finding
-from flightstack.logs.facts.values import Facts, rounded
+from flightstack.logs.columns.senders import Participant
+from flightstack.logs.facts.values import Facts, rate_hz, rounded
 from flightstack.logs.flight.decisions import VELOCITIES
 from flightstack.logs.flight.flight import Flight
-from flightstack.logs.flight.vehicle import Interval
+from flightstack.logs.flight.vehicle import Interval, vehicle_of
+from flightstack.logs.tlog.losses import EXPLANATIONS
 
 MIN_FLIGHT_S = 0.5
-UNKNOWN_REMAINING = -1
 
 
 def _span_facts(flight: Flight, spans: list[Interval], name: str) -> list[Facts]:
@@ -19,53 +20,81 @@ def _span_facts(flight: Flight, spans: list[Interval], name: str) -> list[Facts]
             name: span.label,
             "start_s": rounded(flight.seconds(span.start_us)),
             "duration_s": rounded(span.duration_s),
+            "to_the_end": span.is_open,
         }
         for span in spans
     ]
 
 
 def flight_facts(flight: Flight) -> Facts:
-    """Return flight time, distance and speeds."""
-    spans = [span for span in flight.flying if span.duration_s >= MIN_FLIGHT_S]
+    """Return how often and how long the vehicle was under way, distance and speeds."""
+    kind = flight.outing_kind
+    spans = [span for span in flight.outings if span.duration_s >= MIN_FLIGHT_S]
     parts = [flight.motion.within(span.start_us, span.end_us) for span in spans]
     filled = [part for part in parts if len(part)]
     speeds = [part.horizontal_speed_m_s for part in filled]
     downs = [part.velocity_ned[:, 2] for part in filled]
     heights = [-part.position_ned[:, 2] for part in filled]
+    depths = [part.position_ned[:, 2].max() for part in filled] if kind.is_down else []
+    under_way_s = sum(span.duration_s for span in spans)
+    armed_s = sum(span.duration_s for span in flight.armed)
+    flights = len(spans) if kind.noun == "flight" else 0
     return {
-        "flights": len(spans),
-        "flight_time_s": rounded(sum(span.duration_s for span in spans)),
-        "armed_time_s": rounded(sum(span.duration_s for span in flight.armed)),
+        "flights": flights,
+        "flight_time_s": rounded(under_way_s if flights else 0.0),
+        "tells_armed": flight.states.tells_armed,
+        "outing": kind.noun,
+        "under_way": kind.under_way,
+        "at_rest": kind.at_rest,
+        "outings": len(spans),
+        "outing_time_s": rounded(under_way_s),
+        "armed_time_s": rounded(armed_s),
+        "armed_at_rest_s": rounded(max(armed_s - under_way_s, 0.0)),
         "distance_m": rounded(sum(part.distance_m() for part in filled), 1),
         "max_speed_m_s": rounded(max((s.max() for s in speeds), default=None)),
         "mean_speed_m_s": rounded(np.concatenate(speeds).mean() if speeds else None),
-        "max_climb_m_s": rounded(max((-d.min() for d in downs), default=None)),
-        "max_descent_m_s": rounded(max((d.max() for d in downs), default=None)),
+        "max_climb_m_s": rounded(max((max(-d.min(), 0.0) for d in downs), default=None)),
+        "max_descent_m_s": rounded(max((max(d.max(), 0.0) for d in downs), default=None)),
         "max_height_m": rounded(max((h.max() for h in heights), default=None)),
+        "max_depth_m": rounded(max(depths, default=None)),
         "position_from": flight.motion.source if len(flight.motion) else None,
     }
 
 
 def battery_facts(flight: Flight) -> Facts | None:
     """Return voltage and charge at both ends of the log; None where nothing was reported."""
-    table = flight.battery
-    if not len(table):
+    battery = flight.battery
+    if not len(battery):
         return None
-    volts = table["voltage_battery"] * 1e-3
-    remaining = table["battery_remaining"]
-    known = remaining[remaining != UNKNOWN_REMAINING]
+    volts, percent = battery.volts, battery.percent.tolist()
     return {
-        "start_v": rounded(volts[0]),
-        "end_v": rounded(volts[-1]),
-        "min_v": rounded(volts.min()),
-        "start_percent": int(known[0]) if len(known) else None,
-        "end_percent": int(known[-1]) if len(known) else None,
+        "start_v": rounded(volts[0] if len(volts) else None),
+        "end_v": rounded(volts[-1] if len(volts) else None),
+        "min_v": rounded(volts.min() if len(volts) else None),
+        "start_percent": percent[0] if percent else None,
+        "end_percent": percent[-1] if percent else None,
+    }
+
+
+def gps_facts(flight: Flight) -> Facts | None:
+    """Return how well the GPS saw the sky; None where nothing was told."""
+    gps = flight.gps
+    if not len(gps):
+        return None
+    satellites, hdop = gps.satellites[gps.satellites >= 0], gps.hdop[gps.hdop >= 0]
+    return {
+        "fix": gps.usual_fix,
+        "min_satellites": int(satellites.min()) if len(satellites) else None,
+        "max_satellites": int(satellites.max()) if len(satellites) else None,
+        "best_hdop": rounded(hdop.min() if len(hdop) else None, 2),
+        "worst_hdop": rounded(hdop.max() if len(hdop) else None, 2),
     }
 
 
 def link_facts(flight: Flight) -> list[Facts]:
-    """Return for every sender its messages, rate and loss."""
+    """Return for every sender what it is, its messages, rate and loss."""
     log = flight.log
+    roles = {(each.system, each.component): each.role for each in flight.participants}
     facts = []
     for loss in log.losses:
         times = log.time_us[log.packets.sender == (loss.system << 8 | loss.component)]
@@ -74,14 +103,24 @@ def link_facts(flight: Flight) -> list[Facts]:
             {
                 "system": loss.system,
                 "component": loss.component,
+                "role": roles[loss.system, loss.component],
                 "messages": loss.received,
-                "rate_hz": rounded((loss.received - 1) / duration_s if duration_s else None, 2),
-                "lost": loss.lost,
-                "loss_percent": rounded(100 * loss.fraction, 3),
+                "rate_hz": rate_hz(loss.received, duration_s),
+                "lost": loss.lost if loss.is_clear else None,
+                "loss_percent": rounded(100 * loss.fraction, 3) if loss.is_clear else None,
                 "reordered": loss.reordered,
+                "counted": EXPLANATIONS[loss.counted],
             }
         )
     return facts
+
+
+def vehicle_facts(participant: Participant | None) -> Facts | None:
+    """Return who a vehicle is; None without one."""
+    vehicle = vehicle_of(participant)
+    if vehicle is None:
+        return None
+    return {"system": vehicle.system, "component": vehicle.component, "kind": vehicle.kind}
 
 
 def _percentiles(values: NDArray[np.float64]) -> Facts:
@@ -93,9 +132,9 @@ def _percentiles(values: NDArray[np.float64]) -> Facts:
 
 
 def offboard_facts(flight: Flight) -> Facts | None:
-    """Return how well the companion kept up; None where nothing was flown OFFBOARD."""
+    """Return how well the companion kept up; None where none streamed setpoints."""
     times = flight.offboard_setpoint_times
-    if not flight.offboard:
+    if not flight.offboard or not (len(times) or len(flight.decisions)):
         return None
     steps_s = np.diff(times) * 1e-6
     duration_s = sum(span.duration_s for span in flight.offboard)
@@ -151,6 +190,7 @@ def damage_facts(flight: Flight) -> Facts:
         "has_times": damage.has_times,
         "mended_times": damage.mended_times,
         "duplicates": damage.duplicates,
+        "line_ends": damage.line_ends,
         "clock_jumps": [
             {"at_s": rounded(flight.seconds(j.time_us)), "jump_s": rounded(j.jump_us * 1e-6)}
             for j in damage.jumps
@@ -169,23 +209,23 @@ def damage_facts(flight: Flight) -> Facts:
 
 def summarise(flight: Flight, findings: list[Finding]) -> Facts:
     """Return all facts of a flight as plain values, ready for JSON."""
-    vehicle = flight.vehicle
     return {
         "log": flight.log.name,
         "start_unix_s": rounded(flight.start_us * 1e-6),
         "duration_s": rounded((flight.end_us - flight.start_us) * 1e-6),
         "messages": len(flight.log),
-        "vehicle": None
-        if vehicle is None
-        else {"system": vehicle.system, "component": vehicle.component, "kind": vehicle.kind},
+        "vehicle": vehicle_facts(flight.autopilot),
+        "other_vehicles": [vehicle_facts(each) for each in flight.other_vehicles],
         **flight_facts(flight),
         "ends": flight.ending,
         "armed": _span_facts(flight, flight.armed, "state"),
         "modes": _span_facts(flight, flight.modes, "mode"),
+        "restarts": [{"at_s": rounded(flight.seconds(at_us))} for at_us in flight.restarts],
         "failsafes": _span_facts(flight, flight.failsafes, "state"),
         "course": course_facts(flight),
         "offboard": offboard_facts(flight),
         "battery": battery_facts(flight),
+        "gps": gps_facts(flight),
         "links": link_facts(flight),
         "counts": flight.log.counts,
         "texts": text_facts(flight),

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.senders import AUTOPILOT_COMPONENT
 
 VELOCITIES = ("vx", "vy", "vz", "yaw rate")  # body frame: forward, right, down; clockwise
 UNITS = ("m/s", "m/s", "m/s", "rad/s")
@@ -53,9 +54,15 @@ class MemberPredictions:
 def _arrays(
     log: Log, name: str, length: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
-    """Return times, stamps and the first values of the arrays of that name."""
+    """Return times, stamps and the first values of the arrays of that name, from who made them.
+
+    A PX4 that hears them sends them on as its own, under new stamps: those are left out.
+    """
     table = log["DEBUG_FLOAT_ARRAY"]
     rows = np.flatnonzero(table.data["name"] == name.encode())
+    echoed = table.component[rows] == AUTOPILOT_COMPONENT
+    if not echoed.all():
+        rows = rows[~echoed]
     stamp_us = table.data["time_usec"][rows].astype(np.int64)
     data = table.data["data"][rows, :length]
     return table.time_us[rows], stamp_us, data.astype(np.float64)

@@ -5,8 +5,18 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.logs.columns.boot_clock import CLOCKED
 from flightstack.logs.columns.log import Log
+from flightstack.logs.columns.senders import (
+    AUTOPILOT_INVALID,
+    Participant,
+    autopilots,
+    find_participants,
+    main_autopilot,
+)
 from flightstack.logs.columns.table import Table
+from flightstack.logs.columns.time_axis import restarts_of
+from flightstack.logs.flight.battery import Battery, find_battery
 from flightstack.logs.flight.course import (
     CourseEvent,
     CourseGate,
@@ -21,6 +31,8 @@ from flightstack.logs.flight.decisions import (
     find_members,
 )
 from flightstack.logs.flight.motion import Motion, find_motion
+from flightstack.logs.flight.outings import OutingKind, find_outings, kind_of
+from flightstack.logs.flight.satellites import GpsQuality, find_gps
 from flightstack.logs.flight.setpoints import (
     Answers,
     VelocitySetpoints,
@@ -32,19 +44,16 @@ from flightstack.logs.flight.setpoints import (
 from flightstack.logs.flight.texts import LoggedText, status_texts
 from flightstack.logs.flight.tracking import Tracking, response_lag_s, track
 from flightstack.logs.flight.vehicle import (
-    AUTOPILOT_INVALID,
     Interval,
     LoggedVehicle,
+    States,
     armed_intervals,
     failsafe_intervals,
-    find_vehicle,
-    intervals,
+    find_states,
     mode_intervals,
+    vehicle_of,
 )
 
-ALOFT = (2, 3, 4)  # MAV_LANDED_STATE: in the air, taking off, landing
-UNKNOWN_VOLTAGE = 65535  # of SYS_STATUS
-LIFTED_M = 0.5  # higher than this above where it was armed counts as flying, without landed state
 SUMMARY_MESSAGES = (
     "ATTITUDE",
     "AUTOPILOT_VERSION",
@@ -52,17 +61,25 @@ SUMMARY_MESSAGES = (
     "CAMERA_TRIGGER",
     "DEBUG_FLOAT_ARRAY",
     "EXTENDED_SYS_STATE",
+    "GLOBAL_POSITION_INT",
     "HEARTBEAT",
+    "HIGH_LATENCY2",
     "LOCAL_POSITION_NED",
     "MISSION_CURRENT",
     "MISSION_ITEM_INT",
     "MISSION_ITEM_REACHED",
+    "PARAM_VALUE",
+    "SERVO_OUTPUT_RAW",
     "SET_ATTITUDE_TARGET",
     "SET_POSITION_TARGET_GLOBAL_INT",
     "SET_POSITION_TARGET_LOCAL_NED",
     "STATUSTEXT",
+    "SYSTEM_TIME",
     "SYS_STATUS",
 )
+
+STREAM_STEP_US = 1_000_000  # setpoints further apart are single orders
+MIN_STREAMED = 5
 
 # stands in for the vehicle of a log without one
 NOBODY = LoggedVehicle(system=0, component=0, autopilot=AUTOPILOT_INVALID, type=0)
@@ -74,7 +91,9 @@ class Flight:
     def __init__(self, log: Log, system: int | None = None) -> None:
         self.log = log
         log.load(SUMMARY_MESSAGES)
-        self.vehicle: LoggedVehicle | None = find_vehicle(log, system)
+        self.participants: list[Participant] = find_participants(log)
+        self.autopilot: Participant | None = main_autopilot(self.participants, system)
+        self.vehicle: LoggedVehicle | None = vehicle_of(self.autopilot)
         self._who = self.vehicle or NOBODY
 
     @cached_property
@@ -98,16 +117,31 @@ class Flight:
         return self.vehicle.sent(self.log, name)
 
     @cached_property
+    def other_vehicles(self) -> list[Participant]:
+        """The autopilots of other systems in the log."""
+        return [each for each in autopilots(self.participants) if each is not self.autopilot]
+
+    @cached_property
+    def restarts(self) -> list[int]:
+        """When the autopilot had started again, by its own clock."""
+        tables = [self.of_vehicle(name) for name in CLOCKED if name in self.log]
+        clocked = max(tables, key=len, default=None)
+        return [] if clocked is None else restarts_of(clocked).tolist()
+
+    @cached_property
+    def states(self) -> States:
+        """What the autopilot said of itself over time."""
+        return find_states(self.log, self._who)
+
+    @cached_property
     def modes(self) -> list[Interval]:
         """When the vehicle flew in which mode."""
-        if self.vehicle is None:
-            return []
-        return mode_intervals(self.of_vehicle("HEARTBEAT"), self.vehicle, self.end_us)
+        return mode_intervals(self.states, self._who, self.end_us)
 
     @cached_property
     def armed(self) -> list[Interval]:
         """When the vehicle was armed."""
-        return armed_intervals(self.of_vehicle("HEARTBEAT"), self.end_us)
+        return armed_intervals(self.states, self.end_us)
 
     @cached_property
     def offboard(self) -> list[Interval]:
@@ -124,51 +158,57 @@ class Flight:
     @cached_property
     def failsafes(self) -> list[Interval]:
         """When the vehicle said that it was in a failsafe."""
-        return failsafe_intervals(self.of_vehicle("HEARTBEAT"), self.end_us)
+        return failsafe_intervals(self.states, self.end_us)
 
     @cached_property
-    def flying(self) -> list[Interval]:
-        """When the vehicle was in the air: by its landed state, else by its height while armed."""
-        states = self.of_vehicle("EXTENDED_SYS_STATE")
-        if len(states):
-            aloft = np.isin(states["landed_state"], ALOFT)
-            labels = np.where(aloft, "flying", "").tolist()
-            spans = intervals(states.time_us, labels, self.end_us)
-            return [span for span in spans if span.label]
-        return [span for armed in self.armed for span in self._lifted(armed)]
+    def outing_kind(self) -> OutingKind:
+        """What being under way is to this vehicle: a flight, a drive, a dive."""
+        return kind_of(self.vehicle)
 
-    def _lifted(self, armed: Interval) -> list[Interval]:
-        part = self.motion.within(armed.start_us, armed.end_us)
-        if not len(part):
-            return [armed]
-        height_m = part.position_ned[0, 2] - part.position_ned[:, 2]
-        labels = np.where(height_m > LIFTED_M, "flying", "").tolist()
-        spans = intervals(part.time_us, labels, armed.end_us)
-        return [span for span in spans if span.label]
+    @cached_property
+    def outings(self) -> list[Interval]:
+        """When the vehicle was under way, whatever it is."""
+        states = self.of_vehicle("EXTENDED_SYS_STATE")
+        return find_outings(self.outing_kind, self.motion, self.armed, states, self.end_us)
+
+    @property
+    def flying(self) -> list[Interval]:
+        """When the vehicle was in the air; never, for what drives or dives."""
+        return self.outings if self.outing_kind.noun == "flight" else []
+
+    @property
+    def ends_under_way(self) -> bool:
+        """Whether the log ends while the vehicle flies, drives or dives."""
+        return bool(self.outings) and self.outings[-1].is_open
+
+    @property
+    def ends_armed(self) -> bool:
+        """Whether the log ends while the vehicle is armed."""
+        return bool(self.armed) and self.armed[-1].is_open
 
     @cached_property
     def ending(self) -> str:
         """How the log ends: landed, on the ground, in the air, or unknown."""
-        states = self.of_vehicle("EXTENDED_SYS_STATE")
-        if not len(self.of_vehicle("HEARTBEAT")):
+        kind = self.outing_kind
+        if not len(self.states):
             return "unknown: no heartbeat of an autopilot"
-        armed = bool(self.armed) and self.armed[-1].end_us >= self.end_us
-        if len(states):
-            in_air = int(states["landed_state"][-1]) in ALOFT
-        else:
-            in_air = bool(self.flying) and self.flying[-1].end_us >= self.end_us
-        if in_air:
-            return "in the air, armed" if armed else "in the air, disarmed"
-        if armed:
-            return "on the ground, still armed"
-        return "landed and disarmed" if self.flying else "never flew"
+        if not self.states.tells_armed:
+            return "unknown: nothing tells whether it was armed"
+        if self.ends_under_way:
+            return f"{kind.under_way}, {'armed' if self.ends_armed else 'disarmed'}"
+        if self.ends_armed:
+            return f"{kind.at_rest}, still armed"
+        return f"{kind.done} and disarmed" if self.outings else kind.never
 
     @cached_property
-    def battery(self) -> Table:
-        """The SYS_STATUS that tell a voltage."""
-        table = self.of_vehicle("SYS_STATUS")
-        volts = table["voltage_battery"]
-        return table.take((volts > 0) & (volts != UNKNOWN_VOLTAGE))
+    def battery(self) -> Battery:
+        """Voltage and charge over time, from whichever message tells them."""
+        return find_battery(self.log, self._who)
+
+    @cached_property
+    def gps(self) -> GpsQuality:
+        """How well its GPS saw the sky."""
+        return find_gps(self.log, self._who)
 
     @cached_property
     def texts(self) -> list[LoggedText]:
@@ -190,6 +230,12 @@ class Flight:
         """When setpoints of any kind were sent while OFFBOARD."""
         times = setpoint_times(self.log, self._who)
         return times[within(times, self.offboard)]
+
+    @cached_property
+    def streams_setpoints(self) -> bool:
+        """Whether someone in this log streams setpoints, rather than sends one now and then."""
+        times = setpoint_times(self.log, self._who)
+        return bool(np.count_nonzero(np.diff(times) < STREAM_STEP_US) >= MIN_STREAMED)
 
     @cached_property
     def answers(self) -> Answers:

@@ -57,9 +57,28 @@ def _values(table: Table, *, bytewise: bool) -> list[Value]:
     return values
 
 
+def _told(flight: Flight) -> Table:
+    """Return the PARAM_VALUE of the vehicle.
+
+    A ground station that gets them as a file writes them under its own component of the vehicle's
+    system. Gimbals, cameras and the like have parameters of their own.
+    """
+    table = flight.log["PARAM_VALUE"]
+    if flight.autopilot is None:
+        return table.take(slice(0, 0))
+    vehicle = flight.autopilot
+    strangers = {
+        each.component
+        for each in flight.participants
+        if each.system == vehicle.system and each.role not in ("ground station", "unknown")
+    } - {vehicle.component}
+    ours = (table.system == vehicle.system) & ~np.isin(table.component, list(strangers))
+    return table.take(ours)
+
+
 def read_parameters(flight: Flight) -> LoggedParameters:
-    """Return the parameters that the vehicle told."""
-    table = flight.of_vehicle("PARAM_VALUE")
+    """Return the parameters that the vehicle told, or that were fetched from it as a file."""
+    table = _told(flight)
     names = table["param_id"].tolist()
     latest: dict[str, Value] = {}
     changes = []

@@ -1,16 +1,19 @@
 """Put STATUSTEXT messages together: chunks joined, copies from several links dropped."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 
 from flightstack.logs.columns.log import Log
 from flightstack.logs.dialect.message_types import enum_name
+from flightstack.logs.printable import printable
 
 COPY_US = 200_000  # the same text from the same sender this soon came over another link
+CHUNK_BYTES = 50  # a chunk this full has another one after it
+LOST = "[...]"  # stands for chunks that are missing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoggedText:
-    """One status text."""
+    """One status text, with control characters written out."""
 
     time_us: int
     system: int
@@ -29,41 +32,62 @@ class LoggedText:
         return enum_name("MAV_SEVERITY", self.severity).removeprefix("MAV_SEVERITY_").lower()
 
 
-def _pieces(log: Log) -> list[tuple[LoggedText, int, int]]:
-    """Return each message as a text with its id and chunk number."""
-    table = log["STATUSTEXT"]
-    rows = zip(
-        table.time_us.tolist(),
-        table.system.tolist(),
-        table.component.tolist(),
-        table["severity"].tolist(),
-        table["text"].tolist(),
-        table["id"].tolist(),
-        table["chunk_seq"].tolist(),
-        strict=True,
-    )
-    return [
-        (LoggedText(time_us=t, system=s, component=c, severity=v, text=text), text_id, chunk)
-        for t, s, c, v, text, text_id, chunk in rows
-    ]
+@dataclass(slots=True)
+class _Said:
+    """One text while its chunks come in."""
+
+    time_us: int
+    sender: tuple[int, int]
+    severity: int
+    is_chunked: bool
+    chunks: dict[int, bytes] = field(default_factory=dict)
+
+    def whole(self) -> str:
+        """Return the text: chunks that follow one another are one, as UTF-8."""
+        last = max(self.chunks)
+        parts: list[bytes] = []
+        known = b""
+        for number in range(last + 1):
+            if number in self.chunks:
+                known += self.chunks[number]
+            elif known or not parts:
+                parts += [known, LOST.encode()]
+                known = b""
+        parts.append(known)
+        if self.is_chunked and len(self.chunks[last]) == CHUNK_BYTES:
+            parts.append(LOST.encode())
+        text = b" ".join(part for part in parts if part).decode(errors="replace")
+        return printable(text.rstrip("\t\r\n "))
 
 
 def status_texts(log: Log) -> list[LoggedText]:
     """Return all status texts of all systems in order of time."""
-    found: list[LoggedText] = []
-    unfinished: dict[tuple[int, int, int], int] = {}  # (system, component, id): place in found
-    last_seen: dict[tuple[int, int, int, str], int] = {}
-    for piece, text_id, chunk in _pieces(log):
-        copy = (piece.system, piece.component, chunk, piece.text)
-        seen_us = last_seen.get(copy)
-        last_seen[copy] = piece.time_us
-        if seen_us is not None and 0 <= piece.time_us - seen_us < COPY_US:
+    table = log["STATUSTEXT"]
+    columns = (table.data[name].tolist() for name in ("severity", "text", "id", "chunk_seq"))
+    senders = zip(table.system.tolist(), table.component.tolist(), strict=True)
+    found: list[_Said] = []
+    unfinished: dict[tuple[tuple[int, int], int], _Said] = {}
+    last_seen: dict[tuple[tuple[int, int], int, bytes], int] = {}
+    for time_us, sender, severity, raw, text_id, chunk in zip(
+        table.time_us.tolist(), senders, *columns, strict=True
+    ):
+        seen_us = last_seen.get((sender, chunk, raw))
+        last_seen[sender, chunk, raw] = time_us
+        if seen_us is not None and 0 <= time_us - seen_us < COPY_US:
             continue
-        key = (piece.system, piece.component, text_id)
-        if text_id and chunk and key in unfinished:
-            place = unfinished[key]
-            found[place] = replace(found[place], text=found[place].text + piece.text)
-        else:
-            unfinished[key] = len(found)
-            found.append(piece)
-    return [replace(text, text=text.text.rstrip("\t\n ")) for text in found]
+        said = unfinished.get((sender, text_id)) if text_id and chunk else None
+        if said is None or chunk <= max(said.chunks):
+            said = _Said(time_us, sender, severity, is_chunked=text_id != 0)
+            unfinished[sender, text_id] = said
+            found.append(said)
+        said.chunks[chunk if text_id else 0] = raw.split(b"\0", 1)[0]
+    return [
+        LoggedText(
+            time_us=said.time_us,
+            system=said.sender[0],
+            component=said.sender[1],
+            severity=said.severity,
+            text=said.whole(),
+        )
+        for said in found
+    ]

@@ -9,6 +9,7 @@ from flightstack.logs.flight.motion import interpolated
 from flightstack.logs.report.plotting import (
     INK,
     MUTED,
+    RESPONSE,
     UNCERTAINTY_SCALE,
     Floats,
     Json,
@@ -18,6 +19,8 @@ from flightstack.logs.report.plotting import (
 )
 
 MAX_MARKERS = 3000
+SCALE_PARTS = 5  # the bar is about this part of the path's extent
+METRES_A_KM = 1000
 EVENT_MARKS = {
     "passed": ("circle", "#2a9d8f"),
     "missed": ("x", "#c1272d"),
@@ -79,7 +82,7 @@ def _path(flight: Flight) -> list[Json]:
     grey = {
         "type": "scatter",
         "mode": "lines",
-        "line": {"color": "#b8c1cb", "width": 1.5},
+        "line": {"color": "#b8c1cb" if len(flight.decisions) else RESPONSE, "width": 1.5},
         "hoverinfo": "skip",
     }
     return _both_views(motion.position_ned[::step], grey, "path")
@@ -137,15 +140,37 @@ def _events(flight: Flight, events: list[CourseEvent]) -> list[Json]:
     return traces
 
 
-def has_course(flight: Flight) -> bool:
+def has_path(flight: Flight) -> bool:
     """Return whether the log holds positions to draw."""
     return len(flight.motion) > 1
 
 
+def has_course(flight: Flight) -> bool:
+    """Return whether the log tells of gates to fly through."""
+    return bool(flight.gates or flight.course_events or flight.gates_passed)
+
+
+def _scale(flight: Flight) -> tuple[list[Json], list[Json]]:
+    """Return a bar of a round length at the lower left of the view from above, and its label."""
+    north, east, _ = flight.motion.position_ned.T
+    extent = max(float(np.ptp(north)), float(np.ptp(east)), 1.0)
+    wanted = extent / SCALE_PARTS
+    power = 10.0 ** np.floor(np.log10(wanted))
+    length = float(power * max(step for step in (1, 2, 5) if step * power <= wanted))
+    x0, y0 = float(east.min()), float(north.min()) - extent / 12
+    bar: Json = {"type": "line", "xref": "x", "yref": "y", "x0": x0, "x1": x0 + length}
+    bar |= {"y0": y0, "y1": y0, "line": {"color": INK, "width": 3}}
+    text = f"{length:g} m" if length < METRES_A_KM else f"{length / METRES_A_KM:g} km"
+    label: Json = {"x": x0, "y": y0, "xref": "x", "yref": "y", "xanchor": "left", "text": text}
+    label |= {"yanchor": "bottom", "showarrow": False, "font": {"size": 12, "color": INK}}
+    return [bar], [label]
+
+
 def course_figure(flight: Flight) -> Json:
-    """Return the figure of the course."""
+    """Return the figure of the path, and the course where there is one."""
     traces = _path(flight) + _gates(flight.gates) + _uncertain_path(flight)
     traces += _events(flight, flight.course_events)
+    shapes, labels = _scale(flight)
     return {
         "data": traces,
         "layout": layout(
@@ -155,6 +180,8 @@ def course_figure(flight: Flight) -> Json:
             xaxis2=axis(title="east, m", anchor="y2", domain=[0, 1]),
             yaxis2=axis(title="height, m", domain=[0, 0.3], scaleanchor="x2", scaleratio=1),
             hovermode="closest",
+            shapes=shapes,
+            annotations=labels,
             dragmode="zoom",
         ),
     }

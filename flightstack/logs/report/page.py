@@ -1,8 +1,6 @@
 """Put the report together: words, figures and tables on one page that needs nothing else."""
 
 import json
-import time
-from collections.abc import Iterator
 from functools import cache
 from html import escape
 from importlib.resources import files
@@ -17,6 +15,7 @@ from flightstack.logs.facts.summary import summarise
 from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.why import FailedGate, find_failure
+from flightstack.logs.printable import printable
 from flightstack.logs.report import tables
 from flightstack.logs.report.beside_figure import (
     BesideLog,
@@ -24,11 +23,12 @@ from flightstack.logs.report.beside_figure import (
     beside_figure,
     beside_words,
 )
-from flightstack.logs.report.course_figure import course_figure, has_course
+from flightstack.logs.report.course_figure import course_figure, has_course, has_path
 from flightstack.logs.report.plotting import Json
+from flightstack.logs.report.story import story, tiles
 from flightstack.logs.report.strip import strip_html
 from flightstack.logs.report.time_figure import time_figure
-from flightstack.logs.text.summary_text import duration
+from flightstack.logs.text.summary_text import duration, started
 
 PLOTLY_FILE = ("package_data", "plotly.min.js")
 
@@ -52,50 +52,6 @@ def verdict(findings: list[Finding]) -> tuple[Level, str]:
         if count:
             return level, f"{count} {word}{'s' if count > 1 else ''}"
     return Level.OK, "healthy"
-
-
-def story(facts: Facts) -> str:
-    """Return the flight in one or two sentences."""
-    if not facts["vehicle"]:
-        return f"No autopilot speaks in this log of {facts['messages']} messages."
-    if not facts["flights"]:
-        return f"The vehicle never flew; the log covers {duration(facts['duration_s'])}."
-    flown = f"Flew {facts['distance_m']:.0f} m in {duration(facts['flight_time_s'])}"
-    speed = facts["max_speed_m_s"]
-    parts = [flown + (f", at up to {speed:.1f} m/s." if speed is not None else ".")]
-    course = facts["course"]
-    if course:
-        end = f"; {course['text'][0].lower()}{course['text'][1:]}" if course["text"] else ""
-        gates = "gate" if course["gates_passed"] == 1 else "gates"
-        parts.append(f"Passed {course['gates_passed']} {gates}{end}.")
-    if facts["failsafes"]:
-        parts.append(f"In failsafe {len(facts['failsafes'])} times.")
-    parts.append(f"At the end: {facts['ends']}.")
-    return " ".join(parts)
-
-
-def _tiles(facts: Facts) -> Iterator[tuple[str, str]]:
-    yield duration(facts["flight_time_s"]), "in the air"
-    if facts["distance_m"]:
-        yield f"{facts['distance_m']:.0f} m", "flown"
-    if facts["max_speed_m_s"] is not None:
-        yield f"{facts['max_speed_m_s']:.1f} m/s", "top speed"
-    if facts["course"]:
-        yield str(facts["course"]["gates_passed"]), "gates passed"
-    offboard = facts["offboard"]
-    if offboard:
-        yield f"{offboard['rate_hz']:.1f} Hz", "setpoints"
-        if offboard["frames"]:
-            share = offboard["frames_answered"] / offboard["frames"]
-            yield f"{share:.1%}", "frames answered"
-        late = offboard["frame_to_setpoint_ms"]["p95"]
-        if late is not None:
-            yield f"{late:.0f} ms", "frame to setpoint (95 %)"
-    if facts["links"]:
-        yield f"{max(link['loss_percent'] for link in facts['links']):.2f} %", "worst link loss"
-    battery = facts["battery"]
-    if battery:
-        yield f"{battery['end_v']:.1f} V", "battery at the end"
 
 
 def _section(title: str, body: str, hint: str = "") -> str:
@@ -122,8 +78,12 @@ def _sections(
     hint = "Drag to zoom, double-click to see all again, hover for values."
     parts = [
         _section("Why did it miss?", strip_html(failure) if failure else ""),
-        _section("Course", _figure("course"), "From above and from the side. " + hint)
-        if has_course(flight)
+        _section(
+            "Course" if has_course(flight) else "Path",
+            _figure("course"),
+            "From above and from the side. " + hint,
+        )
+        if has_path(flight)
         else "",
         _section("Over time", _figure("time"), "All rows share one axis. " + hint),
         _section("Beside the vehicle's own log", _figure("beside"), beside_words(beside))
@@ -133,7 +93,7 @@ def _sections(
         _section("Status texts", tables.texts_table(flight) if flight.texts else ""),
         _section("Link", tables.links_table(facts)),
         _section("Parameters changed in flight", tables.changes_table(flight)),
-        _section("File damage", tables.damage_table(facts)),
+        _section("File damage", tables.damage_table(facts), facts["damage"]["line_ends"]),
         _folded("Messages", tables.counts_table(messages)),
     ]
     return "\n".join(part for part in parts if part)
@@ -152,28 +112,28 @@ def make_page(
 ) -> str:
     """Return the report of a flight as HTML, beside the vehicle's own log of it if given."""
     facts = summarise(flight, findings)
-    figures = {"course": course_figure(flight)} if has_course(flight) else {}
+    figures = {"course": course_figure(flight)} if has_path(flight) else {}
     figures["time"] = time_figure(flight)
     if beside is not None:
         figures["beside"] = beside_figure(flight, beside)
     level, words = verdict(findings)
-    started = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(facts["start_unix_s"]))
     kind = facts["vehicle"]["kind"] if facts["vehicle"] else "no autopilot"
-    about = f"{started}, {duration(facts['duration_s'])}, {kind}, {facts['messages']} messages"
+    when, length = started(facts["start_unix_s"]), duration(facts["duration_s"])
+    about = f"{when}, {length}, {kind}, {facts['messages']} messages"
     failure = find_failure(flight, images)
-    tiles = "".join(
+    shown = "".join(
         f'<div class="tile"><b>{escape(value)}</b><span>{escape(name)}</span></div>'
-        for value, name in _tiles(facts)
+        for value, name in tiles(facts)
     )
     return Template(_part("page.html")).substitute(
         version=__version__,
-        title=escape(Path(facts["log"]).name),
+        title=escape(printable(Path(facts["log"]).name)),
         style=_part("style.css"),
         about=escape(about),
         level=level.value,
         verdict=escape(words),
         story=escape(story(facts)),
-        tiles=tiles,
+        tiles=shown,
         sections=_sections(
             flight, facts, findings, failure, beside_facts(flight, beside) if beside else None
         ),

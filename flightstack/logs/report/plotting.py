@@ -6,6 +6,7 @@ plotly.min.js, and building them takes milliseconds.
 
 import base64
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -34,6 +35,14 @@ MODE_COLOURS = {
     "ALTCTL": "#5c9ead",
 }
 OTHER_MODES = ("#b58db6", "#7d8ca3", "#c2a878", "#80a1c1")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlotRow:
+    """One plot of the figure over time: what stands beside it, and its traces."""
+
+    title: str
+    traces: list[Json]
 
 
 def mode_colour(mode: str) -> str:

@@ -58,12 +58,13 @@ def links_table(facts: Facts) -> str:
             f"{link['system']}/{link['component']}",
             link["messages"],
             "-" if link["rate_hz"] is None else f"{link['rate_hz']:.1f}",
-            link["lost"],
-            f"{link['loss_percent']:.2f} %",
+            "-" if link["lost"] is None else link["lost"],
+            "-" if link["loss_percent"] is None else f"{link['loss_percent']:.2f} %",
+            ", ".join(part for part in (link["role"], link["counted"]) if part),
         )
         for link in facts["links"]
     )
-    return table(("source", "messages", "Hz", "lost", "loss"), rows, {1, 2, 3, 4})
+    return table(("source", "messages", "Hz", "lost", "loss", "what it is"), rows, {1, 2, 3, 4})
 
 
 def counts_table(messages: Iterable[Facts]) -> str:

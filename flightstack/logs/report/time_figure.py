@@ -1,11 +1,10 @@
 """Draw everything over one time axis: modes, events, velocities, uncertainty, latency."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flightstack.logs.columns.time_axis import placed_us
 from flightstack.logs.flight.decisions import ALL_MEMBERS, LINEAR, UNITS, VELOCITIES
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.setpoints import boot_offset_us, stamp_latency_ms
@@ -14,13 +13,14 @@ from flightstack.logs.report.plotting import (
     PART_COLOURS,
     RESPONSE,
     SETPOINT,
-    Floats,
     Json,
+    PlotRow,
     axis,
     layout,
     line,
     mode_colour,
 )
+from flightstack.logs.report.vehicle_rows import seconds_of, vehicle_rows
 
 ROW_PX = 132
 GAP_PX = 22
@@ -28,23 +28,11 @@ MODES_PX = 70
 MEMBER_COLOURS = ("#1f6feb", "#2a9d8f", "#8e6bbf", "#e69f00")  # by velocity
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PlotRow:
-    """One plot of the figure: what stands beside it, and its traces."""
-
-    title: str
-    traces: list[Json]
-
-
-def _seconds(flight: Flight, times: NDArray[np.int64]) -> Floats:
-    return np.multiply(times - flight.start_us, 1e-6, dtype=np.float64)
-
-
 def _velocity_rows(flight: Flight) -> list[PlotRow]:
     tracking = flight.tracking
     if not len(tracking):
         return []
-    x = _seconds(flight, tracking.time_us)
+    x = seconds_of(flight, tracking.time_us)
     rows = []
     for index, (name, unit) in enumerate(zip(VELOCITIES, UNITS, strict=True)):
         setpoint = line(
@@ -63,7 +51,7 @@ def _uncertainty_row(flight: Flight) -> list[PlotRow]:
     decisions = flight.decisions
     if not len(decisions):
         return []
-    x = _seconds(flight, decisions.time_us)
+    x = seconds_of(flight, decisions.time_us)
     traces = []
     for name, colour in PART_COLOURS.items():
         std = getattr(decisions, f"{name}_std")[:, LINEAR]
@@ -76,7 +64,7 @@ def _choice_rows(flight: Flight) -> list[PlotRow]:
     decisions = flight.decisions
     if not len(decisions):
         return []
-    x = _seconds(flight, decisions.time_us)
+    x = seconds_of(flight, decisions.time_us)
     chosen, modes = [], []
     for index, (name, colour) in enumerate(zip(VELOCITIES, MEMBER_COLOURS, strict=True)):
         style = {"shape": "hv", "legendgroup": name, "width": 1.3}
@@ -95,7 +83,7 @@ def _choice_rows(flight: Flight) -> list[PlotRow]:
 def _latency_row(flight: Flight) -> list[PlotRow]:
     answers = flight.answers
     if len(answers.latency_ms):
-        x = _seconds(flight, answers.time_us)
+        x = seconds_of(flight, answers.time_us)
         trace = line(x, answers.latency_ms, "frame to setpoint", "#8e6bbf")
         return [PlotRow(title="latency, ms", traces=[trace])]
     if flight.vehicle is None or not len(flight.setpoints):
@@ -106,7 +94,7 @@ def _latency_row(flight: Flight) -> list[PlotRow]:
     late = stamp_latency_ms(flight.setpoints, offset_us)
     if not np.isfinite(late).any():
         return []
-    trace = line(_seconds(flight, flight.setpoints.time_us), late, "stamp to setpoint", "#8e6bbf")
+    trace = line(seconds_of(flight, flight.setpoints.time_us), late, "stamp to setpoint", "#8e6bbf")
     return [PlotRow(title="latency, ms", traces=[trace])]
 
 
@@ -114,7 +102,7 @@ def _motion_rows(flight: Flight) -> list[PlotRow]:
     motion = flight.motion
     if not len(motion):
         return []
-    x = _seconds(flight, motion.time_us)
+    x = seconds_of(flight, motion.time_us)
     height = line(x, -motion.position_ned[:, 2], "height", "#1c7c54")
     speed = line(x, motion.horizontal_speed_m_s, "horizontal speed", "#33658a")
     climb = line(x, -motion.velocity_ned[:, 2], "climb", "#c08497")
@@ -129,7 +117,7 @@ def _attitude_row(flight: Flight) -> list[PlotRow]:
     table = flight.of_vehicle("ATTITUDE")
     if not len(table):
         return []
-    x = _seconds(flight, table.time_us)
+    x = seconds_of(flight, placed_us(table))
     colours = {"roll": "#1f6feb", "pitch": "#e69f00"}
     traces = [
         line(x, np.degrees(table[name].astype(np.float64)), name, colour)
@@ -139,11 +127,16 @@ def _attitude_row(flight: Flight) -> list[PlotRow]:
 
 
 def _battery_row(flight: Flight) -> list[PlotRow]:
-    table = flight.battery
-    if len(table) < 2:
-        return []
-    x, volts = _seconds(flight, table.time_us), table["voltage_battery"] * 1e-3
-    return [PlotRow(title="battery, V", traces=[line(x, volts, "battery", "#6d597a")])]
+    battery = flight.battery
+    rows = []
+    if len(battery.volts) > 1:
+        trace = line(seconds_of(flight, battery.voltage_at_us), battery.volts, "battery", "#6d597a")
+        rows.append(PlotRow(title="battery, V", traces=[trace]))
+    elif len(battery.percent) > 1:
+        x = seconds_of(flight, battery.charge_at_us)
+        trace = line(x, battery.percent.astype(np.float64), "battery", "#6d597a")
+        rows.append(PlotRow(title="battery, %", traces=[trace]))
+    return rows
 
 
 ROWS: tuple[Callable[[Flight], list[PlotRow]], ...] = (
@@ -204,25 +197,34 @@ def _mode_shapes(flight: Flight) -> tuple[list[Json], list[Json]]:
                     "text": span.label, "showarrow": False, "font": {"size": 11, "color": INK},
                 }
             )  # fmt: skip
+    names += [
+        {
+            "x": flight.seconds(time_us), "xref": "x", "y": 0.05, "yref": "y", "yanchor": "bottom",
+            "text": "started again", "showarrow": False, "font": {"size": 11, "color": INK},
+        }
+        for time_us in flight.restarts
+    ]  # fmt: skip
     return shapes, names
 
 
 def _event_lines(flight: Flight) -> list[Json]:
     colours = {"passed": "#2a9d8f", "missed": "#c1272d", "collision": "#c1272d"}
+    marked = [(e.time_us, colours[e.kind]) for e in flight.course_events if e.kind in colours]
+    marked += [(time_us, INK) for time_us in flight.restarts]
     return [
         {
             "type": "line", "xref": "x", "yref": "paper", "y0": 0, "y1": 1,
-            "x0": flight.seconds(event.time_us), "x1": flight.seconds(event.time_us),
-            "line": {"color": colours[event.kind], "width": 1, "dash": "dot"},
+            "x0": flight.seconds(time_us), "x1": flight.seconds(time_us),
+            "line": {"color": colour, "width": 1, "dash": "dot"},
         }
-        for event in flight.course_events
-        if event.kind in colours
+        for time_us, colour in marked
     ]  # fmt: skip
 
 
 def time_figure(flight: Flight) -> Json:
     """Return the figure: one row above the other, zoomed together."""
     rows = [row for make in ROWS for row in make(flight)]
+    rows += vehicle_rows(flight)
     height = MODES_PX + len(rows) * (ROW_PX + GAP_PX)
     total = height + 72
     top = 1.0

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.table import Table
 from flightstack.logs.errors import UnknownNameError
+from flightstack.logs.printable import harmless_cell, printable
 from flightstack.logs.text import fast_text
 
 CHUNK = 6_000  # packets whose lines are made at once: a compromise between steps and caches
@@ -29,6 +30,7 @@ class LineOptions(NamedTuple):
     show_source: bool = False
     show_sequence: bool = False
     csv_columns: tuple[str, ...] = ()  # MESSAGE.field; what CSV lines hold
+    raw_cells: bool = False  # texts in CSV as they are, even what a spreadsheet takes for code
 
 
 def _second(seconds: int) -> str:
@@ -53,7 +55,7 @@ def _fields(table: Table) -> Iterator[fast_text.Part]:
         column = table[field.name]
         yield f"{', ' if index else ''}{field.name} : "
         if field.is_text:
-            yield fast_text.from_texts(column.tolist())
+            yield fast_text.from_texts([printable(text, keep="\t") for text in column.tolist()])
         elif field.length:
             yield from fast_text.as_list(column)
         else:
@@ -101,13 +103,21 @@ def _json(table: Table, options: LineOptions) -> Text:
     return _encoded(lines)
 
 
+def _csv_cells(table: Table, field: str, options: LineOptions) -> list[str]:
+    cells = [str(value) for value in table[field].tolist()]
+    if not table.type.field(field).is_text or options.raw_cells:
+        return cells
+    return [harmless_cell(printable(cell, keep="\t")) for cell in cells]
+
+
 def _csv(table: Table, options: LineOptions) -> Text:
     times = [f"{time_s:.8f}" for time_s in table.time_s.tolist()]
     empty = [""] * len(table)
     columns: list[Sequence[Any]] = [times]
     for column in options.csv_columns:
         message, _, field = column.partition(".")
-        columns.append(list(map(str, table[field].tolist())) if message == table.name else empty)
+        is_own = message == table.name
+        columns.append(_csv_cells(table, field, options) if is_own else empty)
     rows = zip(*columns, strict=True)
     return _encoded([options.separator.join(row) for row in rows])
 

@@ -5,7 +5,9 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from flightstack.logs.facts.values import Facts
+from flightstack.logs.printable import printable
 
+SET_AFTER_S = 1e9  # 2001: an earlier time is of a clock that was never set
 MAX_REGIONS = 5
 MAX_TYPES = 12
 MAX_TEXTS = 60
@@ -13,7 +15,7 @@ MARKS = {"error": "ERROR", "warning": "warn ", "ok": "ok   ", "skipped": "-    "
 
 
 def _number(value: float | None, unit: str, digits: int = 1) -> str:
-    return "-" if value is None else f"{value:.{digits}f} {unit}".rstrip()
+    return "-" if value is None else f"{round(value, digits) + 0.0:.{digits}f} {unit}".rstrip()
 
 
 def duration(seconds: float) -> str:
@@ -25,32 +27,74 @@ def duration(seconds: float) -> str:
 
 
 def _head(facts: Facts) -> Iterator[str]:
-    started = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(facts["start_unix_s"]))
     vehicle = facts["vehicle"]
     kind = f"{vehicle['kind']}, system {vehicle['system']}" if vehicle else "no autopilot"
-    yield f"{facts['log']}: {kind}"
-    yield f"  log       {started}, {duration(facts['duration_s'])}, {facts['messages']} messages"
+    yield f"{printable(facts['log'])}: {kind}"
+    for other in facts["other_vehicles"]:
+        yield f"  also      system {other['system']}: {other['kind']} (--system {other['system']})"
+    about = f"{duration(facts['duration_s'])}, {facts['messages']} messages"
+    yield f"  log       {started(facts['start_unix_s'])}, {about}"
     yield f"  ends      {facts['ends']}" + (", file cut off" if facts["damage"]["cut"] else "")
 
 
+def started(unix_s: float) -> str:
+    """Return when a log starts; what no clock was set for is said to be so."""
+    if unix_s < SET_AFTER_S:
+        return f"at {unix_s:.1f} s after boot, by a clock that was not set"
+    return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(unix_s))
+
+
+def counted(count: int, noun: str) -> str:
+    """Return a number of things: 1 flight, 2 flights."""
+    return f"{count} {noun}" + ("s" if count != 1 else "")
+
+
+def charge(battery: Facts, when: str) -> str:
+    """Return voltage and charge of a battery at the "start" or the "end", as far as known."""
+    volts, percent = battery[f"{when}_v"], battery[f"{when}_percent"]
+    parts = [] if volts is None else [f"{volts:.2f} V"]
+    if percent is not None:
+        parts.append(f"({percent} %)" if parts else f"{percent} %")
+    return " ".join(parts)
+
+
+def _height(facts: Facts) -> str:
+    if facts["max_depth_m"] is not None:
+        return f"depth at most {_number(facts['max_depth_m'], 'm')}"
+    return f"height at most {_number(facts['max_height_m'], 'm')}"
+
+
 def _flight(facts: Facts) -> Iterator[str]:
-    flights = f"{facts['flights']} flight" + ("s" if facts["flights"] != 1 else "")
-    flown, armed = duration(facts["flight_time_s"]), duration(facts["armed_time_s"])
-    yield f"  flight    {flights}, {flown} in the air, {armed} armed"
-    if facts["flights"]:
+    outings = counted(facts["outings"], facts["outing"])
+    under_way, armed = duration(facts["outing_time_s"]), duration(facts["armed_time_s"])
+    said = f"{outings}, {under_way} {facts['under_way']}, {armed} armed"
+    if not facts["tells_armed"]:
+        said = "not told: nothing says when it was armed"
+    yield f"  {facts['outing']:9} {said}"
+    if facts["outings"]:
         mean, top = (_number(facts[f"{which}_speed_m_s"], "m/s") for which in ("mean", "max"))
         climb, descent = (_number(facts[f"max_{way}_m_s"], "m/s") for way in ("climb", "descent"))
         yield (
-            f"  motion    {_number(facts['distance_m'], 'm')} flown, speed {mean} (at most {top}), "
-            f"height at most {_number(facts['max_height_m'], 'm')}, "
-            f"climb at most {climb}, descent at most {descent}"
+            f"  motion    {_number(facts['distance_m'], 'm')}, speed {mean} (at most {top}), "
+            f"{_height(facts)}, climb at most {climb}, descent at most {descent}"
         )
+    elif facts["position_from"]:
+        yield f"  motion    position from {facts['position_from']}"
     battery = facts["battery"]
     if battery:
-        yield (
-            f"  battery   {battery['start_v']:.2f} V ({battery['start_percent']} %) to "
-            f"{battery['end_v']:.2f} V ({battery['end_percent']} %)"
-        )
+        yield f"  battery   {charge(battery, 'start')} to {charge(battery, 'end')}"
+    if facts["gps"]:
+        yield f"  GPS       {gps_said(facts['gps'])}"
+
+
+def gps_said(gps: Facts) -> str:
+    """Return how well a GPS saw the sky: 3D fix, 7 to 12 satellites, HDOP 0.8 to 1.4."""
+    parts = [str(gps["fix"])]
+    if gps["max_satellites"] is not None:
+        parts.append(f"{gps['min_satellites']} to {gps['max_satellites']} satellites")
+    if gps["worst_hdop"] is not None:
+        parts.append(f"HDOP {gps['best_hdop']:.1f} to {gps['worst_hdop']:.1f}")
+    return ", ".join(parts)
 
 
 def _course(facts: Facts) -> Iterator[str]:
@@ -85,9 +129,10 @@ def _timeline(facts: Facts) -> Iterator[str]:
     events += [(m["start_s"], f"mode {m['mode']}") for m in facts["modes"]]
     for span in facts["armed"]:
         events.append((span["start_s"], "armed"))
-        if span["start_s"] + span["duration_s"] < facts["duration_s"]:
+        if not span["to_the_end"]:
             events.append((span["start_s"] + span["duration_s"], "disarmed"))
     events += [(f["start_s"], f"failsafe: {f['state']}") for f in facts["failsafes"]]
+    events += [(r["at_s"], "the autopilot started again") for r in facts["restarts"]]
     texts = facts["texts"][:MAX_TEXTS]
     events += [(t["at_s"], f"{t['source']} {t['level']}: {t['text']}") for t in texts]
     yield "  timeline"
@@ -101,25 +146,29 @@ def _table(rows: Iterable[tuple[Any, ...]]) -> Iterator[str]:
     cells = [[str(cell) for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     for row in cells:
-        first, *others = row
-        right = [cell.rjust(width) for cell, width in zip(others, widths[1:], strict=True)]
-        yield "    " + "  ".join([first.ljust(widths[0]), *right])
+        first, *others, last = row
+        right = [cell.rjust(width) for cell, width in zip(others, widths[1:-1], strict=True)]
+        yield "    " + "  ".join([first.ljust(widths[0]), *right, last])
 
 
 def _links(facts: Facts) -> Iterator[str]:
     yield "  sources"
-    head = ("source", "messages", "rate", "lost", "loss")
+    head = ("source", "messages", "rate", "lost", "loss", "what")
     rows = [
         (
             f"{link['system']}/{link['component']}",
             link["messages"],
             _number(link["rate_hz"], "Hz"),
-            link["lost"],
-            f"{link['loss_percent']:.2f} %",
+            "-" if link["lost"] is None else link["lost"],
+            _number(link["loss_percent"], "%", 2),
+            link["role"],
         )
         for link in facts["links"]
     ]
     yield from _table([head, *rows])
+    for link in facts["links"]:
+        if link["counted"]:
+            yield f"    {link['system']}/{link['component']}: {link['counted']}"
     counts = list(facts["counts"].items())
     named = ", ".join(f"{name} {count}" for name, count in counts[:MAX_TYPES])
     more = f", {len(counts) - MAX_TYPES} more types" if len(counts) > MAX_TYPES else ""
@@ -128,9 +177,12 @@ def _links(facts: Facts) -> Iterator[str]:
 
 def _damage(facts: Facts) -> Iterator[str]:
     regions = facts["damage"]["regions"]
+    if facts["damage"]["line_ends"]:
+        yield f"  file      {facts['damage']['line_ends']}"
     if not regions:
         return
-    yield f"  damage    {facts['damage']['lost_bytes']} bytes in {len(regions)} places"
+    places = counted(len(regions), "place")
+    yield f"  damage    {facts['damage']['lost_bytes']} bytes in {places}"
     for region in regions[:MAX_REGIONS]:
         yield (
             f"    {region['bytes']} bytes at {region['offset']} ({region['kind']}), "
@@ -159,8 +211,8 @@ def one_line(facts: Facts) -> str:
     worst = [c["name"] for c in facts["checks"] if c["level"] in ("error", "warning")]
     course = facts["course"]
     gates = f", {course['gates_passed']} gates, {course['ended']}" if course else ""
-    flown = duration(facts["flight_time_s"])
+    flown = f"{duration(facts['outing_time_s'])} {facts['under_way']}"
     return (
-        f"{facts['log']}: {facts['messages']} messages, {flown} flown{gates}, {facts['ends']}"
+        f"{printable(facts['log'])}: {facts['messages']} messages, {flown}{gates}, {facts['ends']}"
         + (f" [{', '.join(worst)}]" if worst else "")
     )

@@ -1,4 +1,4 @@
-"""Count and locate what a log has lost: bytes that are no packets, times, and sequence numbers."""
+"""Count and locate what a log has lost: bytes that are no packets, and times."""
 
 from dataclasses import dataclass
 
@@ -6,16 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs.tlog import clock
+from flightstack.logs.tlog.line_ends import line_ends_said
 from flightstack.logs.tlog.packets import (
     HEADER_V2,
-    LINK_BITS,
     TIMESTAMP,
     Packets,
     packet_length,
 )
 from flightstack.logs.tlog.source import ByteSource
-
-REORDERED = 128  # a step this far ahead in sequence numbers of 8 bits is a step back
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,23 +27,6 @@ class Region:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SourceLoss:
-    """What one sender's sequence numbers tell about the link."""
-
-    system: int
-    component: int
-    received: int
-    lost: int
-    repeated: int  # the same sequence number twice in a row
-    reordered: int  # steps back: reordering, a restart, or two links in one log
-
-    @property
-    def fraction(self) -> float:
-        """Lost over sent, 0 to 1."""
-        return self.lost / (self.lost + self.received) if self.received else 0.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Damage:
     """All that a log has lost."""
 
@@ -54,6 +35,7 @@ class Damage:
     mended_times: int
     jumps: tuple[clock.ClockJump, ...]
     duplicates: int  # records that stand in the file twice
+    line_ends: str  # what a conversion of line ends did to the file; "" for nothing
 
     @property
     def lost_bytes(self) -> int:
@@ -68,7 +50,8 @@ class Damage:
     @property
     def is_clean(self) -> bool:
         """Whether nothing at all was lost."""
-        return not (self.regions or self.jumps or self.mended_times or self.duplicates)
+        found = (self.regions, self.jumps, self.mended_times, self.duplicates, self.line_ends)
+        return not any(found)
 
 
 def _kind(source: ByteSource, offset: int, length: int) -> str:
@@ -80,16 +63,15 @@ def _kind(source: ByteSource, offset: int, length: int) -> str:
 
 
 def find_regions(
-    source: ByteSource, packets: Packets, times: NDArray[np.int64]
-) -> tuple[list[Region], bool]:
-    """Return the stretches without a packet, and whether the records have times before them."""
+    source: ByteSource, packets: Packets, times: NDArray[np.int64], *, has_times: bool
+) -> list[Region]:
+    """Return the stretches without a packet; `has_times`: records have times before them."""
     if not len(packets):
         whole = (0, source.size)
-        return ([_region(source, *whole, 0)] if source.size else []), True
+        return [_region(source, *whole, 0)] if source.size else []
     end = packets.end
     space = packets.offset.copy()  # before each packet
     space[1:] -= end[:-1]
-    has_times = np.count_nonzero(space >= TIMESTAMP) * 2 >= len(space)
     gap = TIMESTAMP if has_times else 0
     regions = []
     for row in np.flatnonzero(space > gap).tolist():
@@ -99,7 +81,7 @@ def find_regions(
     rest = source.size - int(end[-1])
     if rest:
         regions.append(_region(source, int(end[-1]), rest, int(times[-1])))
-    return regions, bool(has_times)
+    return regions
 
 
 def _region(source: ByteSource, offset: int, length: int, time_us: int) -> Region:
@@ -118,51 +100,20 @@ def count_duplicates(packets: Packets, times: NDArray[np.int64]) -> int:
 
 def find_damage(source: ByteSource, packets: Packets, time_us: NDArray[np.int64]) -> Damage:
     """Return what a log has lost, from all of its packets and their mended times."""
-    regions, has_times = find_regions(source, packets, time_us)
-    _, mended = clock.mend(packets.time_us)
-    jumps = tuple(clock.jumps(time_us))
+    stamps = packets.time_us
+    has_times = clock.has_stamps(stamps)
+    regions = find_regions(source, packets, time_us, has_times=has_times)
+    if clock.is_even(stamps) or not has_times:
+        mended, jumps = 0, []
+    else:
+        mended = int(np.count_nonzero(~clock.sound_stamps(stamps)))
+        jumps = clock.jumps(stamps, time_us)
     backwards = any(jump.jump_us < 0 for jump in jumps)
     return Damage(
         regions=tuple(regions),
         has_times=has_times,
-        mended_times=mended if has_times else 0,
-        jumps=jumps,
-        duplicates=count_duplicates(packets, time_us) if backwards else 0,
+        mended_times=mended,
+        jumps=tuple(jumps),
+        duplicates=count_duplicates(packets, stamps) if backwards else 0,
+        line_ends=line_ends_said(source, packets),
     )
-
-
-def _steps(sequence: NDArray[np.uint8]) -> tuple[int, int, int]:
-    """Return lost, repeated and reordered of one stream of sequence numbers."""
-    step = np.diff(sequence)  # wraps at 256 as the numbers do
-    ahead = step[(step > 0) & (step < REORDERED)].astype(np.int64)
-    lost = int((ahead - 1).sum())
-    return lost, int(np.count_nonzero(step == 0)), int(np.count_nonzero(step >= REORDERED))
-
-
-def _stream_steps(sequence: NDArray[np.uint8], link: NDArray[np.uint8]) -> tuple[int, int, int]:
-    """Return the steps of one sender, by link where that explains the numbers better."""
-    together = _steps(sequence)
-    parts = [_steps(sequence[link == number]) for number in range(LINK_BITS + 1)]
-    by_link = tuple(sum(part[column] for part in parts) for column in range(3))
-    better = sum(by_link) < sum(together)
-    return (by_link[0], by_link[1], by_link[2]) if better else together
-
-
-def find_losses(packets: Packets) -> tuple[SourceLoss, ...]:
-    """Return what the sequence numbers of every sender tell, in order of system and component."""
-    losses = []
-    for key in np.unique(packets.sender).tolist():
-        rows = packets.sender == key
-        link = (packets.time_us[rows] & LINK_BITS).astype(np.uint8)
-        lost, repeated, reordered = _stream_steps(packets.sequence[rows], link)
-        losses.append(
-            SourceLoss(
-                system=key >> 8,
-                component=key & 0xFF,
-                received=int(np.count_nonzero(rows)),
-                lost=lost,
-                repeated=repeated,
-                reordered=reordered,
-            )
-        )
-    return tuple(losses)

@@ -4,7 +4,8 @@ Every byte that could start a packet is a candidate; a candidate is a packet if 
 That alone finds every packet behind any damage, and about one in 65,536 candidates by chance. Two
 rules keep those out: a packet that stands in the chain of records (its neighbours begin where it
 ends) beats one that overlaps it, and a version 1 packet that stands alone must have a plausible
-time or the full length of its message (version 2 headers are too specific to arise by chance).
+time or the full length of its message, with or without what version 2 added to it (version 2
+headers are too specific to arise by chance).
 """
 
 from typing import NamedTuple
@@ -176,7 +177,9 @@ def stands(found: Candidates, times: Positions, links: NDArray[np.int64]) -> NDA
     """Return which packets are beyond doubt: see the rule for version 1 in the first lines."""
     earliest, latest = PLAUSIBLE_TIME_US
     plausible = (times >= earliest) & (times <= latest)
-    whole = found.length == packet_tables().size[found.row]
+    tables = packet_tables()
+    whole = found.length == tables.size[found.row]
+    whole |= found.length == tables.base_size[found.row]
     beyond_doubt: NDArray[np.bool_] = found.is_v2 | (links > 0) | plausible | whole
     return beyond_doubt
 

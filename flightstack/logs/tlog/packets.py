@@ -1,10 +1,12 @@
 """Where every packet of a log lies: one row a packet, as arrays."""
 
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+MANY_VALUES = 1 << 16  # up to here a value is found faster by counting than by sorting
 NO_TIME = np.iinfo(np.int64).min  # time_us of a record whose eight bytes of time are lost
 
 LINK_BITS = 3  # MAVProxy writes the number of the link into the low two bits of the time
@@ -63,6 +65,17 @@ class Packets:
         ends = self.offset + self.length
         ends += self.header_length + tail
         return ends
+
+
+def tally(column: NDArray[np.unsignedinteger[Any]]) -> dict[int, int]:
+    """Return how often each value stands in a column of an index, in order of value."""
+    if not len(column) or int(column.max()) >= MANY_VALUES:
+        values, counts = np.unique(column, return_counts=True)
+    else:
+        every = np.bincount(column)
+        values = np.flatnonzero(every)
+        counts = every[values]
+    return dict(zip(values.tolist(), counts.tolist(), strict=True))
 
 
 def packet_length(head: NDArray[np.uint8]) -> int:

@@ -7,8 +7,8 @@ import pytest
 
 from flightstack.logs import Log, read_bytes
 from flightstack.logs.checks import run_checks
-from flightstack.logs.commands.messages import message_facts
 from flightstack.logs.export.csv import rows
+from flightstack.logs.facts.messages import message_facts
 from flightstack.logs.facts.summary import summarise
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.parameters import read_parameters

@@ -20,6 +20,10 @@ def findings(data: bytes) -> dict[str, Finding]:
     return {finding.name: finding for finding in run_checks(Flight(read_bytes(data)))}
 
 
+def stamp_of(one: bytes) -> bytes:
+    return one[:8]
+
+
 def with_messages(
     data: bytes, make: Callable[[int], object], start_s: float, end_s: float
 ) -> bytes:
@@ -29,7 +33,11 @@ def with_messages(
     for tick in range(int(start_s * 50), int(end_s * 50)):
         raw = make(tick).pack(sender)  # type: ignore[attr-defined]
         extra.append(record(START_US + tick * 20_000, raw))
-    return data + b"".join(extra)
+    log = read_bytes(data)
+    pairs = zip((log.packets.offset - 8).tolist(), log.packets.end.tolist(), strict=True)
+    records: list[bytes] = [*(data[start:end] for start, end in pairs), *extra]
+    ordered = sorted(records, key=stamp_of)
+    return b"".join(ordered)
 
 
 @pytest.fixture(scope="module")

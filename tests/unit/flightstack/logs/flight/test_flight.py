@@ -25,7 +25,9 @@ def flight() -> Flight:
 
 
 def test_modes_and_arming_stand_where_they_were(flight: Flight) -> None:
-    modes = [(span.label, flight.seconds(span.start_us)) for span in flight.modes]
+    modes: list[tuple[str, object]] = [
+        (span.label, flight.seconds(span.start_us)) for span in flight.modes
+    ]
     assert modes == [
         ("AUTO.LOITER", pytest.approx(0, abs=0.01)),
         ("AUTO.TAKEOFF", pytest.approx(2, abs=0.01)),
@@ -139,7 +141,7 @@ def test_another_vehicle_can_be_chosen() -> None:
         (12, 2, 209, 0x00060000, "OFFBOARD"),
         (12, 2, 157, 0x05040000, "AUTO.RTL"),
         (12, 2, 209, 0x00030000, "POSCTL"),
-        (12, 2, 1, 0x00FF0000, "mode 0x00ff0000"),
+        (12, 2, 1, 0x00FF0000, "0x00ff0000"),
         (3, 2, 81, 4, "GUIDED"),
         (3, 1, 81, 11, "RTL"),
         (3, 10, 81, 10, "AUTO"),
