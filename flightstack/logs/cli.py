@@ -14,7 +14,7 @@ from flightstack.logs.process import imported, keep_freed_memory, single_threade
 if TYPE_CHECKING:
     from pathlib import Path
 
-DESCRIPTION = "Inspect MAVLink logs (tlogs). A bare path gives the summary."
+DESCRIPTION = "Inspect MAVLink logs, and the vehicle's own. A bare path gives the summary."
 PROGRAM = "python -m flightstack.logs"
 HELP_WIDTH = 78  # where no terminal says how wide it is
 
@@ -69,6 +69,7 @@ def _add_plot(parser: argparse.ArgumentParser) -> None:
 def _add_report(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("-o", "--output", type=_path, metavar="HTML", help="default beside the log")
+    add("--with", dest="beside", type=_path, metavar="LOG", help="the vehicle's own log of it")
     add("--frames", type=_path, metavar="FOLDER", help="recorded frames; default LOG.frames")
     add("--checks", type=_path, metavar="FILE", help="your own checks, in Python")
 

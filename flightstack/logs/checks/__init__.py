@@ -7,7 +7,7 @@
 ...     return Level.WARNING if height > 100 else Level.OK, f"at most {height:.0f} m"
 """
 
-from flightstack.logs.checks import log_health, motion_health, offboard_health
+from flightstack.logs.checks import log_health, motion_health, offboard_health, onboard_health
 from flightstack.logs.checks.registry import (
     Check,
     Finding,
@@ -28,5 +28,6 @@ __all__ = [
     "log_health",
     "motion_health",
     "offboard_health",
+    "onboard_health",
     "run_checks",
 ]

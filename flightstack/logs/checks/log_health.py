@@ -16,6 +16,8 @@ FEW = 20  # messages of a sender, too few to speak of a loss
 )
 def link_loss(flight: Flight) -> Verdict:
     """Judge the worst loss of any sender."""
+    if not flight.log.is_telemetry:
+        return Level.SKIPPED, "the vehicle's own log came over no link"
     many = [loss for loss in flight.log.losses if loss.received >= FEW]
     if not many:
         return Level.SKIPPED, "too few messages"

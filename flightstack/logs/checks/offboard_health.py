@@ -16,6 +16,7 @@ SLOW_RESPONSE_S = 0.5
 TRACKING_LIMITS = (0.5, 0.5, 0.5, 0.3)  # m/s, m/s, m/s, rad/s: root mean square
 SATURATED_SHARE = 0.2
 
+NOT_SENT = (Level.SKIPPED, "the vehicle's own log does not hold what was sent to it")
 NOT_OFFBOARD = (Level.SKIPPED, "nothing was flown in OFFBOARD, or GUIDED")
 
 
@@ -45,8 +46,8 @@ def course(flight: Flight) -> Verdict:
 )
 def setpoint_rate(flight: Flight) -> Verdict:
     """Judge the gaps between setpoints while OFFBOARD."""
-    if not flight.offboard:
-        return NOT_OFFBOARD
+    if not flight.offboard or not flight.log.is_telemetry:
+        return NOT_SENT if flight.offboard else NOT_OFFBOARD
     mode = flight.offboard[0].label
     times = flight.offboard_setpoint_times
     if not flight.streams_setpoints:
@@ -145,6 +146,8 @@ def tracking_error(flight: Flight) -> Verdict:
 )
 def command_saturation(flight: Flight) -> Verdict:
     """Judge how long commands stand at one extreme value."""
+    if not flight.log.is_telemetry:
+        return NOT_SENT
     commands = flight.tracking.setpoint
     if len(commands) < 20:
         return Level.SKIPPED, "too few velocity setpoints in OFFBOARD"

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from flightstack.logs.columns.payloads import gather
 from flightstack.logs.columns.table import Table
-from flightstack.logs.dialect.message_types import MessageType, message_id, message_type
+from flightstack.logs.dialect.message_types import MessageType, ids_by_name, message_type
 from flightstack.logs.tlog.clock import LATEST_US
 from flightstack.logs.tlog.packets import Packets, tally
 from flightstack.logs.tlog.source import ByteSource
@@ -96,7 +96,8 @@ def clocked_names(names: Iterable[str]) -> list[str]:
 
 
 def _tells_clock(name: str) -> bool:
-    known = message_type(message_id(name))
+    msgid = ids_by_name().get(name)  # none of what is kept raw, nor of a vehicle's own topics
+    known = None if msgid is None else message_type(msgid)
     return known is not None and clock_field(known) is not None
 
 

@@ -83,8 +83,11 @@ def _message_and_field(node: ast.expr) -> tuple[str, str] | None:
     return None
 
 
-def parse(text: str) -> Expression:
-    """Return the parsed expression; ExpressionError or UnknownNameError say what is wrong."""
+def parse(text: str, id_of: Callable[[str], int] = message_id) -> Expression:
+    """Return the parsed expression; ExpressionError or UnknownNameError say what is wrong.
+
+    `id_of` knows the names of messages: those of the dialect, or a log's own, too.
+    """
     try:
         tree = ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
@@ -96,7 +99,7 @@ def parse(text: str) -> Expression:
         if (pair := _message_and_field(node))
     ]
     for message, _ in pairs:
-        message_id(message)
+        id_of(message)
     return Expression(text, tree, tuple(dict.fromkeys(message for message, _ in pairs)))
 
 
@@ -229,7 +232,7 @@ def holds(
     condition: str, log: Log, rows: Rows, vehicle: Participant | None = None
 ) -> NDArray[np.bool_]:
     """Return at which of these packets a condition holds; not where a message was not yet seen."""
-    value, known = evaluate(parse(condition), log, rows, vehicle)
+    value, known = evaluate(parse(condition, log.id_of), log, rows, vehicle)
     truth = np.asarray(value)
     if truth.ndim > 1 or truth.dtype.kind not in "biuf":
         raise ExpressionError(f"{condition!r} is no condition: {SYNTAX}")
@@ -240,7 +243,7 @@ def series(
     text: str, log: Log, vehicle: Participant | None = None
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], str]:
     """Return times, values and unit of a field or expression, at each message that it reads."""
-    expression = parse(text)
+    expression = parse(text, log.id_of)
     if not expression.messages:
         raise ExpressionError(f"{text!r} reads no message; {SYNTAX}")
     log.load(expression.messages)

@@ -33,6 +33,8 @@ class Log:
     empty table. `packets` and `time_us` cover all that was selected, in file order.
     """
 
+    is_telemetry = True  # it came over a link; else it is the vehicle's own log
+
     def __init__(
         self,
         source: ByteSource,
@@ -63,21 +65,33 @@ class Log:
         """What the log is called in messages: its path."""
         return self.source.name
 
-    @cached_property
+    @property
     def whole(self) -> "Log":
         """The log with all of its packets, whatever was selected of it."""
+        return self if self._read_whole is None else self._whole_again  # no cycle of itself
+
+    @cached_property
+    def _whole_again(self) -> "Log":
         return self if self._read_whole is None else self._read_whole()
 
     @cached_property
     def counts(self) -> dict[str, int]:
         """How many messages of each type there are, UNKNOWN_<id> included, most first."""
         pairs = sorted(self._held.items(), key=lambda pair: (-pair[1], pair[0]))
-        return {message_name(msgid): count for msgid, count in pairs}
+        return {self.name_of(msgid): count for msgid, count in pairs}
 
     @cached_property
     def _held(self) -> dict[int, int]:
         """How many messages of each id there are."""
         return tally(self.packets.msgid)
+
+    def name_of(self, msgid: int) -> str:
+        """Return the name of the messages with this id; UNKNOWN_<id> where the dialect has none."""
+        return message_name(msgid)
+
+    def id_of(self, name: str) -> int:
+        """Return the id of the messages called `name`; UnknownNameError names the nearest."""
+        return message_id(name)
 
     @cached_property
     def losses(self) -> "tuple[SourceLoss, ...]":

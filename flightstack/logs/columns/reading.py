@@ -12,6 +12,7 @@ from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.time_axis import axis_of
 from flightstack.logs.dialect.message_types import ids_by_name, message_id
 from flightstack.logs.errors import LogFileError
+from flightstack.logs.onboard.kinds import read_onboard
 from flightstack.logs.tlog.chain import find_chained
 from flightstack.logs.tlog.line_ends import restored_line_ends
 from flightstack.logs.tlog.packets import IS_UNKNOWN, Packets, join
@@ -75,6 +76,21 @@ def _read_types(source: ByteSource, patterns: Iterable[str], window_bytes: int) 
     return Log(source, packets, packets.time_us, lambda: _read_whole(source, window_bytes))
 
 
+def _read_tlog(source: ByteSource, patterns: list[str] | None, window_bytes: int) -> Log:
+    log = None if patterns is None else _read_types(source, patterns, window_bytes)
+    return _read_whole(source, window_bytes) if log is None else log
+
+
+def _read_onboard(path: str | PathLike[str]) -> Log | None:
+    """Return a vehicle's own log, PX4's .ulg or ArduPilot's .bin; None where the file is none."""
+    records = read_onboard(path)
+    if records is None:
+        return None
+    from flightstack.logs.columns.onboard_log import open_onboard  # noqa: PLC0415  # few are such
+
+    return open_onboard(records)
+
+
 def read(
     path: str | PathLike[str],
     *,
@@ -85,17 +101,16 @@ def read(
     end_us: int | None = None,
     window_bytes: int = WINDOW_BYTES,
 ) -> Log:
-    """Read a log: find every packet, check every checksum, decode nothing yet.
+    """Read a log: a tlog, or the vehicle's own, PX4's .ulg or ArduPilot's .bin.
+
+    Of a tlog every packet is found, every checksum is checked, and nothing is decoded yet.
 
     Where only some types are asked for, and the log is whole, checksums of others are not computed.
     The file is read in windows, so that memory is bounded by the index (26 bytes a packet) and by
     what is asked for. Raises LogFileError, one line that says what to do, for what is no log.
     """
-    source = open_source(path)
     patterns = None if types is None else list(types)
-    log = None if patterns is None else _read_types(source, patterns, window_bytes)
-    if log is None:
-        log = _read_whole(source, window_bytes)
+    log = _read_onboard(path) or _read_tlog(open_source(path), patterns, window_bytes)
     return log.select(
         types=patterns, system=system, component=component, start_us=start_us, end_us=end_us
     )

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.reading import read
 from flightstack.logs.commands.arguments import names_in, writing
+from flightstack.logs.errors import LogFileError
 from flightstack.logs.text.lines import LineOptions, csv_columns, lines
 from flightstack.logs.tlog.packets import LINK_BITS, NO_TIME
 
@@ -50,7 +51,8 @@ def _holds(condition: str, log: Log, part: Log, system: int | None) -> NDArray[n
     )
 
     vehicle = main_autopilot(find_participants(log), system)
-    return holds(condition, log, np.searchsorted(log.packets.offset, part.packets.offset), vehicle)
+    rows = np.searchsorted(log.packets.offset, part.packets.offset, side="right") - 1
+    return holds(condition, log, rows, vehicle)
 
 
 def chosen(arguments: Namespace) -> Log:
@@ -78,6 +80,8 @@ def chosen(arguments: Namespace) -> Log:
 
 def write_tlog(log: Log, path: "Path") -> None:
     """Write the log's packets to a new tlog, each with its time."""
+    if not log.is_telemetry:
+        raise LogFileError(f"{log.name} holds no MAVLink packets to write; use the command export")
     times = np.where(log.packets.time_us == NO_TIME, log.time_us, log.packets.time_us)
     rows = (times.view(np.uint64).tolist(), log.packets.offset.tolist(), log.packets.end.tolist())
     with writing(path, remedy=""), path.open("wb") as file:

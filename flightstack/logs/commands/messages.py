@@ -2,17 +2,33 @@
 
 import json
 from argparse import Namespace
+from collections.abc import Iterable
+from pathlib import Path
 
 from flightstack.logs.columns.reading import read
-from flightstack.logs.facts.messages import message_facts
+from flightstack.logs.columns.segments import is_large, read_parts
+from flightstack.logs.facts.messages import joined_message_facts, message_facts
+from flightstack.logs.facts.values import Facts
+from flightstack.logs.progress import progress
+
+
+def _of_log(arguments: Namespace) -> Iterable[Facts]:
+    return message_facts(read(arguments.log, system=arguments.system))
+
+
+def _of_parts(arguments: Namespace) -> Iterable[Facts]:
+    """Return the facts of a large log, part by part."""
+    with progress(arguments.log, Path(arguments.log).stat().st_size) as done:
+        logs = (part.log for part in read_parts(arguments.log, progress=done))
+        return joined_message_facts(log.select(system=arguments.system) for log in logs)
 
 
 def run(arguments: Namespace) -> int:
     """Print the table of types."""
-    log = read(arguments.log, system=arguments.system)
-    facts = sorted(message_facts(log), key=lambda each: -each["count"])
+    rows = _of_parts(arguments) if is_large(arguments.log) else _of_log(arguments)
+    facts = sorted(rows, key=lambda each: -each["count"])
     if arguments.json:
-        print(json.dumps({"log": log.name, "messages": facts}))
+        print(json.dumps({"log": arguments.log, "messages": facts}))
         return 0
     width = max((len(each["type"]) for each in facts), default=4)
     print(f"{'type':{width}}  source   count     rate      first       last")

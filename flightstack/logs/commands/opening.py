@@ -8,7 +8,7 @@ from flightstack.logs.columns.reading import read
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight.flight import Flight
 
-LOG_ENDINGS = (".tlog", ".mavlink", ".rlog", ".raw")
+LOG_ENDINGS = (".tlog", ".mavlink", ".rlog", ".raw", ".ulg", ".bin")
 
 
 def open_flight(log: str | Path, system: int | None) -> Flight:

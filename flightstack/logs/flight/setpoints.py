@@ -68,8 +68,25 @@ def setpoint_times(log: Log, vehicle: LoggedVehicle) -> Times:
     return np.sort(np.concatenate(times))
 
 
+def _followed(log: Log, vehicle: LoggedVehicle) -> VelocitySetpoints:
+    """Return the velocities that the vehicle's position controller followed, as it told them."""
+    table = vehicle.sent(log, "POSITION_TARGET_LOCAL_NED")
+    columns = [table[name].astype(np.float64) for name in ("vx", "vy", "vz", "yaw_rate")]
+    return VelocitySetpoints(
+        time_us=table.time_us,
+        stamp_ms=table["time_boot_ms"].astype(np.int64),
+        in_body=np.zeros(len(table), dtype=np.bool_),
+        command=np.stack(columns, axis=1),
+    )
+
+
 def find_setpoints(log: Log, vehicle: LoggedVehicle) -> VelocitySetpoints:
-    """Return the velocity setpoints that were sent to the vehicle."""
+    """Return the velocity setpoints that were sent to the vehicle.
+
+    The vehicle's own log does not hold what was sent: there they are those that it followed.
+    """
+    if not log.is_telemetry:
+        return _followed(log, vehicle)
     table = log["SET_POSITION_TARGET_LOCAL_NED"]
     mask = table["type_mask"]
     for_us = np.isin(table["target_system"], (0, vehicle.system))

@@ -17,6 +17,12 @@ from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.why import FailedGate, find_failure
 from flightstack.logs.printable import printable
 from flightstack.logs.report import tables
+from flightstack.logs.report.beside_figure import (
+    BesideLog,
+    beside_facts,
+    beside_figure,
+    beside_words,
+)
 from flightstack.logs.report.course_figure import course_figure, has_course, has_path
 from flightstack.logs.report.plotting import Json
 from flightstack.logs.report.story import story, tiles
@@ -62,7 +68,11 @@ def _figure(name: str) -> str:
 
 
 def _sections(
-    flight: Flight, facts: Facts, findings: list[Finding], failure: FailedGate | None
+    flight: Flight,
+    facts: Facts,
+    findings: list[Finding],
+    failure: FailedGate | None,
+    beside: Facts | None,
 ) -> str:
     messages = sorted(message_facts(flight.log), key=lambda each: -each["count"])
     hint = "Drag to zoom, double-click to see all again, hover for values."
@@ -76,6 +86,9 @@ def _sections(
         if has_path(flight)
         else "",
         _section("Over time", _figure("time"), "All rows share one axis. " + hint),
+        _section("Beside the vehicle's own log", _figure("beside"), beside_words(beside))
+        if beside
+        else "",
         _section("Health checks", tables.checks_table(findings)),
         _section("Status texts", tables.texts_table(flight) if flight.texts else ""),
         _section("Link", tables.links_table(facts)),
@@ -91,11 +104,18 @@ def _embedded(figures: dict[str, Json]) -> str:
     return json.dumps(figures).replace("<", r"\u003c")
 
 
-def make_page(flight: Flight, findings: list[Finding], images: Path | None = None) -> str:
-    """Return the report of a flight as HTML."""
+def make_page(
+    flight: Flight,
+    findings: list[Finding],
+    images: Path | None = None,
+    beside: BesideLog | None = None,
+) -> str:
+    """Return the report of a flight as HTML, beside the vehicle's own log of it if given."""
     facts = summarise(flight, findings)
     figures = {"course": course_figure(flight)} if has_path(flight) else {}
     figures["time"] = time_figure(flight)
+    if beside is not None:
+        figures["beside"] = beside_figure(flight, beside)
     level, words = verdict(findings)
     kind = facts["vehicle"]["kind"] if facts["vehicle"] else "no autopilot"
     when, length = started(facts["start_unix_s"]), duration(facts["duration_s"])
@@ -114,7 +134,9 @@ def make_page(flight: Flight, findings: list[Finding], images: Path | None = Non
         verdict=escape(words),
         story=escape(story(facts)),
         tiles=shown,
-        sections=_sections(flight, facts, findings, failure),
+        sections=_sections(
+            flight, facts, findings, failure, beside_facts(flight, beside) if beside else None
+        ),
         footer=f"Made by flightstack {__version__} from {escape(facts['log'])}.",
         figures=_embedded(figures),
         plotly=plotly_script(),

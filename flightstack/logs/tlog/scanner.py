@@ -38,7 +38,7 @@ class Scanner:
         unknown = find_unknown(buffer, known, free_from=0, limit=limit)
         packets = merge(known, unknown)
         decided = int(packets.end[-1]) if len(packets) else 0
-        kept = max(decided, len(buffer) - max(margin, MAX_PACKET) - TIMESTAMP)
+        kept = max(decided, len(buffer) - margin - MAX_PACKET - TIMESTAMP)  # all undecided
         packets = replace(packets, offset=packets.offset + self._tail_offset)
         self._tail = buffer[kept:].copy()
         self._tail_offset += kept

@@ -12,8 +12,8 @@ from flightstack.logs.errors import LogFileError
 WINDOW_BYTES = 2 << 20  # fits the caches; larger is not faster
 SMALL_BYTES = 32 << 20  # logs up to here are held in memory, larger ones read by windows
 MISTAKEN = {  # first bytes of files that people pass by mistake
-    b"ULog\x01\x12\x35": "a PX4 ULog, not a MAVLink log: use pyulog or PX4's Flight Review",
-    b"\xa3\x95": "an ArduPilot .BIN log, not a MAVLink log: use mavlogdump.py or MAVExplorer",
+    b"ULog\x01\x12\x35": "a PX4 ULog, without windows: read it whole, with flightstack.logs.read",
+    b"\xa3\x95": "an ArduPilot .bin, without windows: read it whole, with flightstack.logs.read",
     b"\x89MCAP0\r\n": "an MCAP file, not a MAVLink log: open it in Foxglove",
     b"\x1f\x8b": "compressed with gzip: unpack it with gunzip first",
     b"PK\x03\x04": "a ZIP archive: unpack it first",

@@ -194,7 +194,7 @@ MISTAKES = [
     (["summary", "{folder}/empty"], "holds no logs"),
     (["messages", "{folder}/empty"], "is a folder"),
     (["summary", "{folder}/flight.ulg"], "PX4 ULog"),
-    (["summary", "{folder}/flight.bin"], "ArduPilot .BIN"),
+    (["summary", "{folder}/flight.bin"], "ArduPilot .bin"),
     (["summary", "{folder}/zero.tlog"], "is empty"),
     (["summary", "{folder}/words.txt"], "no MAVLink packet"),
     (["dump", "{log}", "--types", "ATITUDE"], "did you mean ATTITUDE"),

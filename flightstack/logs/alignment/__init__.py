@@ -1,0 +1,1 @@
+"""Two logs of one flight on one axis of time."""
