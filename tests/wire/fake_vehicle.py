@@ -85,6 +85,10 @@ class FakeVehicle:
     def __exit__(self, *_: object) -> None:
         self._stop.set()
         self._thread.join(10)
+        while select.select([self._udp], [], [], 0.0)[
+            0
+        ]:  # the last answer of a companion that ended
+            self._listen(0.0)
         for opened in (self._udp, self._http, self._client):
             if opened is not None:
                 opened.close()
