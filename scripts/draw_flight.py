@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from flightstack.errors import FlightstackError
 from flightstack.logs import Log, read
+from flightstack.mavlink_numbers import REFEREE_COMPONENT
 from sitl import (
     GATE_OUTER_M,
     Camera,
@@ -32,7 +33,6 @@ from sitl import (
 
 FRAMES = 8  # images in the strip
 BEFORE_GATE_S = 0.9  # what the camera sees this long before a gate is passed
-REFEREE = 25  # component
 VEHICLE = 1  # component
 EPISTEMIC = slice(4, 8)  # in DEBUG_FLOAT_ARRAY "decision": docs/wire.md
 INK, MUTED, GATE = "#22272e", "#8a939e", "#d9480f"
@@ -55,7 +55,7 @@ def read_path(log: Log) -> Path3:
     place = log["LOCAL_POSITION_NED"].where(component=VEHICLE)
     attitude = log["ATTITUDE_QUATERNION"].where(component=VEHICLE)
     decision = log["DEBUG_FLOAT_ARRAY"]
-    reached = log["MISSION_ITEM_REACHED"].where(component=REFEREE)
+    reached = log["MISSION_ITEM_REACHED"].where(component=REFEREE_COMPONENT)
     time_ms = decision["time_usec"] / 1e3
 
     def on_decisions(

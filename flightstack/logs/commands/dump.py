@@ -13,7 +13,8 @@ from flightstack.logs.columns.reading import read
 from flightstack.logs.commands.arguments import names_in, writing
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.text.lines import LineOptions, csv_columns, lines
-from flightstack.logs.tlog.packets import LINK_BITS, NO_TIME
+from flightstack.logs.tlog.packets import NO_TIME
+from flightstack.mavlink_numbers import LINK_BITS
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.senders import AUTOPILOT_INVALID
 from flightstack.logs.facts.values import Facts
-from flightstack.logs.flight.course import REFEREE
 from flightstack.logs.flight.modes import mode_name
 from flightstack.logs.flight.texts import status_texts
 from flightstack.logs.flight.vehicle import ARMED
 from flightstack.logs.tlog.losses import find_losses
 from flightstack.logs.tlog.packets import Packets, join
+from flightstack.mavlink_numbers import REFEREE_COMPONENT
 
 
 @dataclass
@@ -56,7 +56,7 @@ class LiveEvents:
         rows = zip(reached.time_us.tolist(), reached.component.tolist(), reached["seq"].tolist(),
                    reached.system.tolist(), strict=True)  # fmt: skip
         for time_us, component, seq, system in rows:
-            what = "gate" if component == REFEREE else "item"
+            what = "gate" if component == REFEREE_COMPONENT else "item"
             about = {"event": what, "text": f"{what} {seq} reached"}
             yield {"time_us": time_us, "source": f"{system}/{component}", **about}
 

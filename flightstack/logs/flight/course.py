@@ -6,8 +6,8 @@ import numpy as np
 
 from flightstack.logs.columns.log import Log
 from flightstack.logs.flight.texts import LoggedText
+from flightstack.mavlink_numbers import REFEREE_COMPONENT
 
-REFEREE = 25  # MAV_COMP_ID_USER1
 LOCAL_SCALE = 1e-4  # MISSION_ITEM_INT counts local x and y in 0.1 mm
 LOCAL_NED = 1
 DEFAULT_HALF_OPENING_M = 0.6
@@ -39,7 +39,7 @@ class CourseEvent:
 
 def find_gates(log: Log) -> list[CourseGate]:
     """Return the gates that the referee listed as mission items, in order; often none."""
-    items = log["MISSION_ITEM_INT"].where(component=REFEREE)
+    items = log["MISSION_ITEM_INT"].where(component=REFEREE_COMPONENT)
     items = items.take(items["frame"] == LOCAL_NED)
     _, first = np.unique(items["seq"], return_index=True)
     items = items.take(first)
@@ -68,11 +68,11 @@ def find_events(texts: list[LoggedText]) -> list[CourseEvent]:
     return [
         CourseEvent(time_us=text.time_us, kind=_kind(text.text), text=text.text)
         for text in texts
-        if text.component == REFEREE
+        if text.component == REFEREE_COMPONENT
     ]
 
 
 def gates_passed(log: Log) -> int:
     """Return how many gates the referee counted as passed."""
-    reached = log["MISSION_ITEM_REACHED"].where(component=REFEREE)
+    reached = log["MISSION_ITEM_REACHED"].where(component=REFEREE_COMPONENT)
     return len(np.unique(reached["seq"]))

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs.tlog.byte_view import at_every_byte
+from flightstack.mavlink_numbers import CRC_START
 
 POLYNOMIAL = 0x8408  # x^16 + x^12 + x^5 + 1, reflected
-INITIAL = 0xFFFF
 ROW_STEP = 8  # rows are multiples of this wide, so that few widths occur
 MAX_BYTES = 512  # bytes under one checksum; MAVLink has at most 264
 
@@ -41,7 +41,7 @@ def word_table() -> NDArray[np.uint16]:
 def initial_part() -> NDArray[np.uint16]:
     """Return the state after n zero bytes from the initial state, for n up to MAX_BYTES."""
     table = byte_table().tolist()
-    states = [INITIAL]
+    states = [CRC_START]
     for _ in range(MAX_BYTES):
         states.append((states[-1] >> 8) ^ table[states[-1] & 0xFF])
     return np.array(states, dtype=np.uint16)

@@ -7,13 +7,9 @@ from numpy.typing import NDArray
 
 from flightstack.logs.tlog import clock
 from flightstack.logs.tlog.line_ends import line_ends_said
-from flightstack.logs.tlog.packets import (
-    HEADER_V2,
-    TIMESTAMP,
-    Packets,
-    packet_length,
-)
+from flightstack.logs.tlog.packets import TIMESTAMP, Packets, packet_length
 from flightstack.logs.tlog.source import ByteSource
+from flightstack.mavlink_numbers import HEADER_V2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,7 +13,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.tlog.packets import LINK_BITS, Packets, tally
+from flightstack.logs.tlog.packets import Packets, tally
+from flightstack.mavlink_numbers import LINK_BITS
 
 REORDERED = 128  # a step this far ahead in sequence numbers of 8 bits is a step back
 SUSPECT_SHARE = 0.02  # unexplained steps, beyond which other explanations are looked for

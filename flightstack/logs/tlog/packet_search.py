@@ -16,21 +16,17 @@ from numpy.typing import NDArray
 from flightstack.logs.dialect.message_types import packet_tables
 from flightstack.logs.tlog import crc
 from flightstack.logs.tlog.byte_view import at_every_byte
-from flightstack.logs.tlog.packets import (
-    CHECKSUM,
+from flightstack.logs.tlog.packets import IS_SIGNED, IS_V2, NO_TIME, TIMESTAMP, Packets
+from flightstack.mavlink_numbers import (
+    CHECKSUM_BYTES,
     HEADER_V1,
     HEADER_V2,
-    IS_SIGNED,
-    IS_V2,
     MAGIC_V2,
-    NO_TIME,
-    SIGNATURE,
+    SIGNATURE_BYTES,
     SIGNED_FLAG,
-    TIMESTAMP,
-    Packets,
 )
 
-MIN_PACKET = HEADER_V1 + CHECKSUM
+MIN_PACKET = HEADER_V1 + CHECKSUM_BYTES
 SEARCH_BLOCK = 1 << 17
 PLAUSIBLE_TIME_US = (10**15, 41 * 10**14)  # 2001 to 2099
 
@@ -59,7 +55,7 @@ class Candidates(NamedTuple):
     @property
     def end(self) -> Positions:
         """Position of the first byte after each candidate."""
-        tail = np.where(self.is_signed, CHECKSUM + SIGNATURE, CHECKSUM)
+        tail = np.where(self.is_signed, CHECKSUM_BYTES + SIGNATURE_BYTES, CHECKSUM_BYTES)
         return self.checksum_at + tail
 
 

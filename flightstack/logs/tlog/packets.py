@@ -6,19 +6,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.mavlink_numbers import (
+    CHECKSUM_BYTES,
+    HEADER_V1,
+    HEADER_V2,
+    MAGIC_V1,
+    MAGIC_V2,
+    SIGNATURE_BYTES,
+    SIGNED_FLAG,
+)
+
 MANY_VALUES = 1 << 16  # up to here a value is found faster by counting than by sorting
 NO_TIME = np.iinfo(np.int64).min  # time_us of a record whose eight bytes of time are lost
 
-LINK_BITS = 3  # MAVProxy writes the number of the link into the low two bits of the time
 
-MAGIC_V1, MAGIC_V2 = 0xFE, 0xFD  # first byte
-SIGNED_FLAG = 0x01  # third byte of version 2; other flags are of no known packet
-HEADER_V1 = 6
-HEADER_V2 = 10
-CHECKSUM = 2
-SIGNATURE = 13
 TIMESTAMP = 8
-MAX_PACKET = HEADER_V2 + 255 + CHECKSUM + SIGNATURE
+MAX_PACKET = HEADER_V2 + 255 + CHECKSUM_BYTES + SIGNATURE_BYTES
 MARGIN = 2 * (MAX_PACKET + TIMESTAMP)  # what starts so far before an end has its neighbour whole
 
 IS_V2 = 1  # bits of Packets.flags
@@ -61,7 +64,9 @@ class Packets:
     def end(self) -> NDArray[np.int64]:
         """Offset of the first byte after each packet, its signature included."""
         signed = self.flags & IS_SIGNED
-        tail = np.where(signed, np.uint8(CHECKSUM + SIGNATURE), np.uint8(CHECKSUM))
+        tail = np.where(
+            signed, np.uint8(CHECKSUM_BYTES + SIGNATURE_BYTES), np.uint8(CHECKSUM_BYTES)
+        )
         ends = self.offset + self.length
         ends += self.header_length + tail
         return ends
@@ -84,9 +89,9 @@ def packet_length(head: NDArray[np.uint8]) -> int:
         return 0
     magic, length, incompatible = head[:3].tolist()
     if magic == MAGIC_V1:
-        return int(HEADER_V1 + length + CHECKSUM)
+        return int(HEADER_V1 + length + CHECKSUM_BYTES)
     if magic == MAGIC_V2 and incompatible <= SIGNED_FLAG:
-        return int(HEADER_V2 + length + CHECKSUM + SIGNATURE * incompatible)
+        return int(HEADER_V2 + length + CHECKSUM_BYTES + SIGNATURE_BYTES * incompatible)
     return 0
 
 

@@ -16,17 +16,14 @@ from flightstack.logs.dialect.message_types import OTHER_DEFINITION, packet_tabl
 from flightstack.logs.tlog import crc
 from flightstack.logs.tlog.packet_search import message_rows, record_times
 from flightstack.logs.tlog.packets import (
-    HEADER_V1,
-    HEADER_V2,
     IS_SIGNED,
     IS_UNKNOWN,
     IS_V2,
-    MAGIC_V2,
-    SIGNED_FLAG,
     TIMESTAMP,
     Packets,
     packet_length,
 )
+from flightstack.mavlink_numbers import HEADER_V1, HEADER_V2, MAGIC_V2, SIGNED_FLAG
 
 NO_EXTRA = -1
 MIN_AGREEING = 3  # packets of a known message, to believe that they have another definition
