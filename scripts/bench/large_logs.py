@@ -33,7 +33,6 @@ COMMANDS = (
     ("dump", "--types", "SYS_STATUS", "-o", "{folder}/part.tlog"),
     ("dump", "--types", "HEARTBEAT", "--format", "json"),
     ("export", "--format", "parquet", "-o", "{folder}/parquet"),
-    ("report", "-o", "{folder}/report.html"),
 )
 
 
