@@ -6,8 +6,9 @@ from pathlib import Path
 
 from flightstack.logs.checks import load_checks
 from flightstack.logs.columns.reading import read
-from flightstack.logs.columns.segments import LogPart, is_large, read_parts
+from flightstack.logs.columns.segments import is_large, read_parts
 from flightstack.logs.errors import LogFileError
+from flightstack.logs.facts.whole_log import flights_in
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.progress import progress
 
@@ -17,16 +18,6 @@ LOG_ENDINGS = (".tlog", ".mavlink", ".rlog", ".raw", ".ulg", ".bin")
 def open_flight(log: str | Path, system: int | None) -> Flight:
     """Return the flight of a log that a command was given."""
     return Flight(read(log), system=system)
-
-
-def flights_in(parts: Iterator[LogPart], system: int | None) -> Iterator[tuple[Flight, int]]:
-    """Yield the flights in the parts of one log, all of one vehicle, and where each starts."""
-    chosen = system
-    for part in parts:
-        flight = Flight(part.log, chosen)
-        if chosen is None and flight.vehicle is not None:
-            chosen = flight.vehicle.system
-        yield flight, part.start
 
 
 def flights_of(log: str | Path, system: int | None) -> Iterator[Flight]:

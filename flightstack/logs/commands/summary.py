@@ -7,9 +7,9 @@ from functools import partial
 
 from flightstack.logs.commands.many_logs import for_each
 from flightstack.logs.commands.opening import logs_in, use_checks
-from flightstack.logs.commands.summarising import summary_of
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.facts.values import Facts
+from flightstack.logs.facts.whole_log import summary_of
 from flightstack.logs.printable import printable
 from flightstack.logs.progress import progress
 from flightstack.logs.text.summary_text import one_line, page
