@@ -62,7 +62,7 @@ def load_pipeline(
     return Pipeline(
         _posterior(loaded, perception, seed),
         _policy(loaded, policy, seed),
-        _strategy(loaded, strategy or loaded.config.strategy, direction, seed),
+        _strategy(loaded, strategy, direction, seed),
         limits,
     )
 
@@ -82,8 +82,10 @@ def _policy(model: Model, name: str | None, seed: int) -> Policy:
     return brought
 
 
-def _strategy(model: Model, name: str, direction: str, seed: int) -> Strategy:
-    if name not in STRATEGIES and extensions.is_extension(extensions.STRATEGY, name):
+def _strategy(model: Model, name: str | None, direction: str, seed: int) -> Strategy:
+    if name is None:  # the model's own: a part of flightstack, and never code
+        name = model.config.strategy
+    elif name not in STRATEGIES and extensions.is_extension(extensions.STRATEGY, name):
         brought: Strategy = extensions.make(
             extensions.STRATEGY, name, direction=direction, seed=seed
         )
