@@ -1,26 +1,35 @@
 """Read a camera's HTTP stream of multipart/x-mixed-replace parts.
 
 Each part is one coded image with a Content-Length. X-Timestamp (seconds of vehicle time) and
-X-Sequence say which image it is; a stream without them is stamped on arrival.
+X-Sequence say which image it is; a stream without them is stamped on arrival, and so is an image
+whose stamp no vehicle can have. Nothing that a server sends is believed: opening has one deadline
+for all of it, headers are counted, and a picture's size is known before it is decoded.
 """
 
 import contextlib
 import http.client
 import socket
-from urllib.parse import urlsplit
+import ssl
+import threading
+from collections.abc import Iterator
+from urllib.parse import SplitResult, urlsplit
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.camera.mailbox import Arrival
+from flightstack.camera.picture_size import is_welcome
 from flightstack.clock import VehicleClock
 from flightstack.records import Image
 
-CONNECT_TIMEOUT_S = 5.0
+OPEN_TIMEOUT_S = 5.0  # to connect and to answer, however slowly the headers come
 MULTIPART = "multipart/x-mixed-replace"
 MAX_PART_BYTES = 64 << 20
 MAX_LINE_BYTES = 4096
+MAX_LINES = 64  # of a part's headers
+MAX_DIGITS = 15
+MAX_STAMP_S = 2**32 / 1000  # MAVLink counts vehicle time in 32 bits of milliseconds: 49.7 days
 
 
 class NotMultipartError(OSError):
@@ -28,24 +37,26 @@ class NotMultipartError(OSError):
 
 
 class MultipartSource:
-    """One connection to a stream; `stamped` once its first image has carried a stamp."""
+    """One connection to a stream."""
 
-    def __init__(self, uri: str, clock: VehicleClock) -> None:
-        self.stamped = False
+    def __init__(self, uri: str, clock: VehicleClock, *, timeout_s: float = OPEN_TIMEOUT_S) -> None:
+        """Open a stream; raises OSError, ValueError or HTTPException where there is none."""
         self._clock = clock
         self._count = 0
         parts = urlsplit(uri)
-        kind = (
-            http.client.HTTPSConnection if parts.scheme == "https" else http.client.HTTPConnection
-        )
-        connection = kind(parts.hostname or "", parts.port, timeout=CONNECT_TIMEOUT_S)
-        path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
-        connection.request("GET", path)
-        self._socket: socket.socket = connection.sock
+        host, path = parts.hostname or "", parts.path or "/"
+        deadline_s = clock.wall_s() + timeout_s
+        self._socket = _connect(parts, timeout_s)
+        connection = http.client.HTTPConnection(host, parts.port)
+        connection.sock = self._socket
         try:
-            self._response = connection.getresponse()
-            self._check(uri)
-        except (OSError, http.client.HTTPException):
+            with _ended_after(deadline_s - clock.wall_s(), self._socket):
+                if isinstance(self._socket, ssl.SSLSocket):
+                    self._socket.do_handshake()
+                connection.request("GET", path + (f"?{parts.query}" if parts.query else ""))
+                self._response = connection.getresponse()
+                self._check(uri)
+        except (OSError, ValueError, http.client.HTTPException):
             self.close()
             raise
         self._socket.settimeout(None)  # a vehicle may stand still between two images
@@ -58,12 +69,11 @@ class MultipartSource:
             received_s = self._clock.wall_s()
             rgb = decode_rgb(content)
             if rgb is not None:
-                return Arrival(self._image(headers, rgb), received_s)
+                return self._arrival(headers, rgb, received_s)
 
     def close(self) -> None:
         """End the stream; a `read` that waits in another thread raises OSError."""
-        with contextlib.suppress(OSError):
-            self._socket.shutdown(socket.SHUT_RDWR)
+        _shut(self._socket)
         self._socket.close()
 
     def _check(self, uri: str) -> None:
@@ -74,19 +84,23 @@ class MultipartSource:
             raise OSError(0, f"{uri} answers {self._response.status} {self._response.reason}")
         raise NotMultipartError(0, f"{uri} is no {MULTIPART} stream but {content_type!r}")
 
-    def _image(self, headers: dict[str, str], rgb: NDArray[np.uint8]) -> Image:
+    def _arrival(
+        self, headers: dict[str, str], rgb: NDArray[np.uint8], received_s: float
+    ) -> Arrival:
         self._count += 1
-        stamp = headers.get("x-timestamp")
-        self.stamped = stamp is not None
-        return Image(
-            stamp_us=self._clock.now_us() if stamp is None else round(float(stamp) * 1e6),
-            sequence=int(headers.get("x-sequence", self._count)),
+        told = headers.get("x-timestamp")
+        stamp_us = None if told is None else _stamp_us(told)
+        image = Image(
+            stamp_us=self._clock.now_us() if stamp_us is None else stamp_us,
+            sequence=_number(headers.get("x-sequence", ""), self._count),
             rgb=rgb,
         )
+        odd = "" if told is None or stamp_us is not None else told
+        return Arrival(image, received_s, stamped=stamp_us is not None, odd_stamp=odd)
 
     def _read_headers(self) -> dict[str, str]:
         headers: dict[str, str] = {}
-        while True:
+        for _ in range(MAX_LINES):
             line = self._response.readline(MAX_LINE_BYTES)
             if not line:
                 raise OSError(0, "the stream has ended")
@@ -95,6 +109,7 @@ class MultipartSource:
                 headers[name.strip().lower()] = value.strip()
             elif headers and not line.strip():
                 return headers
+        raise OSError(0, f"a part of more than {MAX_LINES} header lines")
 
     def _read_exactly(self, length: int) -> bytes:
         if not 0 <= length <= MAX_PART_BYTES:
@@ -106,8 +121,59 @@ class MultipartSource:
 
 
 def decode_rgb(content: bytes) -> NDArray[np.uint8] | None:
-    """Decode a PNG or JPEG into (H, W, 3) RGB; None where it is damaged."""
-    if not content:
+    """Decode a PNG or JPEG into (H, W, 3) RGB; None where it is damaged, none or too large."""
+    if not is_welcome(content):
         return None
-    bgr = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
+    try:
+        bgr = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
+    except cv2.error:  # a header that contradicts its data
+        return None
     return None if bgr is None else np.asarray(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB), np.uint8)
+
+
+def _stamp_us(text: str) -> int | None:
+    """Read seconds of vehicle time; None where they are none that a vehicle can tell."""
+    try:
+        stamp_s = float(text)
+    except ValueError:
+        return None
+    return round(stamp_s * 1e6) if 0.0 <= stamp_s < MAX_STAMP_S else None  # NaN neither
+
+
+def _number(text: str, otherwise: int) -> int:
+    """Read the number of an image, if it is one that a flight can reach."""
+    return int(text) if text.isdecimal() and len(text) <= MAX_DIGITS else otherwise
+
+
+def _connect(parts: SplitResult, timeout_s: float) -> socket.socket:
+    """Connect to the host of an address; the handshake of https is still to come."""
+    secure = parts.scheme == "https"
+    port = parts.port or (http.client.HTTPS_PORT if secure else http.client.HTTP_PORT)
+    connected = socket.create_connection((parts.hostname or "", port), timeout_s)
+    connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    if not secure:
+        return connected
+    context = ssl.create_default_context()
+    return context.wrap_socket(
+        connected, server_hostname=parts.hostname, do_handshake_on_connect=False
+    )
+
+
+@contextlib.contextmanager
+def _ended_after(limit_s: float, opened: socket.socket) -> Iterator[None]:
+    """End a connection, whatever it is doing, unless the block is left in time."""
+    timer = threading.Timer(max(0.0, limit_s), _shut, (opened,))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        is_late = not timer.is_alive()
+        timer.cancel()
+        if is_late:  # whatever the end of the connection looked like
+            raise OSError(0, "the server answers too slowly")
+
+
+def _shut(opened: socket.socket) -> None:
+    with contextlib.suppress(OSError):
+        opened.shutdown(socket.SHUT_RDWR)

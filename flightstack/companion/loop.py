@@ -14,6 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from flightstack.camera.mailbox import Arrival
+from flightstack.camera.stamps import StampCheck
 from flightstack.companion.mission.hold import hold_for_camera
 from flightstack.companion.mission.machine import advance
 from flightstack.companion.mission.records import Hold, MissionPhase, MissionStatus, Situation
@@ -44,10 +45,6 @@ class Pilot(Protocol):
 
 class ImageQueue(Protocol):
     """Where images come from, ready for a selector."""
-
-    @property
-    def stamped(self) -> bool:
-        """Whether images carry the vehicle's own stamps."""
 
     def fileno(self) -> int:
         """Return what a selector waits on."""
@@ -89,6 +86,7 @@ class FlightLoop:
         self._reporter = reporter
         self._speed_scale = speed_scale
         self._recorder = recorder
+        self._stamps = StampCheck(self._clock)
         self._image_us = self._clock.stamp_us
         self._image_s = self._clock.wall_s()
         self._steered_s = self._image_s
@@ -129,8 +127,13 @@ class FlightLoop:
         wait_for_any(IDLE_S, self._vehicle.link, self._camera)
 
     def _answer(self, arrival: Arrival) -> None:
+        arrival = self._stamps.admit(arrival)
+        if self._stamps.complaint:
+            self._reporter.warn_once(
+                f"the camera's stamps are {self._stamps.complaint}: the time of arrival counts"
+            )
         image = arrival.image
-        if self._camera.stamped:
+        if arrival.stamped:
             self._await_trigger(image.stamp_us)
             self._clock.observe(image.stamp_us)
         self._image_us, self._image_s = image.stamp_us, self._clock.wall_s()

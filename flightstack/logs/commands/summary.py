@@ -16,9 +16,9 @@ from flightstack.logs.facts.merging import merge_parts
 from flightstack.logs.facts.summary import summarise
 from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.flight import Flight
-from flightstack.logs.printable import printable
 from flightstack.logs.progress import progress
 from flightstack.logs.text.summary_text import one_line, page
+from flightstack.printable import printable
 
 
 def _flight_facts(flight: Flight) -> Facts:

@@ -26,8 +26,6 @@ FORWARD_M_S = 2.0
 class MadeCamera:
     """Hands over what the test has put into it."""
 
-    stamped = True
-
     def __init__(self) -> None:
         self.arrival: Arrival | None = None
 
