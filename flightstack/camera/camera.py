@@ -40,6 +40,7 @@ class Camera:
 
     def __init__(self, source: CameraSource, reopen: Callable[[], CameraSource] | None) -> None:
         self.failure: str | None = None
+        self.announced_hz: float | None = None  # its rate, by somebody's word
         self._source = source
         self._reopen = reopen
         self._mailbox = Mailbox()

@@ -162,15 +162,20 @@ def _connect(parts: SplitResult, timeout_s: float) -> socket.socket:
 @contextlib.contextmanager
 def _ended_after(limit_s: float, opened: socket.socket) -> Iterator[None]:
     """End a connection, whatever it is doing, unless the block is left in time."""
-    timer = threading.Timer(max(0.0, limit_s), _shut, (opened,))
+    is_late = threading.Event()
+
+    def end() -> None:
+        is_late.set()
+        _shut(opened)
+
+    timer = threading.Timer(max(0.0, limit_s), end)
     timer.daemon = True
     timer.start()
     try:
         yield
     finally:
-        is_late = not timer.is_alive()
         timer.cancel()
-        if is_late:  # whatever the end of the connection looked like
+        if is_late.is_set():  # whatever the end of the connection looked like
             raise OSError(0, "the server answers too slowly")
 
 

@@ -72,6 +72,7 @@ def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], console: Console) -> 
             vehicle, uri, min(plan.timeout_s, CAMERA_OPENS_S), trusted=plan.camera is not None
         )
         stack.callback(camera.close)
+        camera.announced_hz = vehicle.stream_hz if plan.camera is None else None
         reporter.watch(camera)
         wait_for_image(vehicle, camera, plan.timeout_s, name=uri)
         gc.freeze()  # libraries and networks stay: no need to look through them again and again

@@ -101,6 +101,7 @@ class TelemetryReceiver:
     def __init__(self, clock: VehicleClock) -> None:
         self.latest = Telemetry()
         self.stream_uri: str | None = None
+        self.stream_hz: float | None = None  # as its camera announces it
         self._clock = clock
         self._texts: list[StatusText] = []
         self._chunks: dict[tuple[int, int], str] = {}
@@ -157,6 +158,8 @@ class TelemetryReceiver:
     def _video_stream_information(self, message: Message) -> None:
         if message.get_srcComponent() == CAMERA_COMPONENT:
             self.stream_uri = message.uri
+            rate_hz = message.framerate
+            self.stream_hz = rate_hz if math.isfinite(rate_hz) and rate_hz > 0.0 else None
 
     def _mission_current(self, message: Message) -> None:
         if message.total == NO_TOTAL:

@@ -67,6 +67,7 @@ class Situation:
     vehicle: Telemetry
     image_us: int  # stamp of the newest camera image
     hold: Hold | None = None  # raised by anybody but the camera
+    camera_lies_us: int | None = None  # since when what it shows or says cannot be
     stop_requested: bool = False
     vehicle_silent: bool = False  # for so long that it is lost
 

@@ -7,14 +7,12 @@ from pathlib import Path
 import pytest
 from pymavlink.dialects.v20 import common
 
-from flightstack.camera.mailbox import Arrival
 from flightstack.companion.console import Console
 from flightstack.companion.mission.records import MissionPhase
 from flightstack.companion.reporter import Reporter
 from flightstack.mavlink.packets import checksum
 from flightstack.mavlink.telemetry import LandedState
-from flightstack.records import Image
-from tests.unit.flightstack.companion.made_flight import PIXELS, MadeFlight, forward_m_s
+from tests.unit.flightstack.companion.made_flight import MadeFlight, forward_m_s
 
 FIELDS = (b"\x00", b"\xff", b"\x7f", b"\x80", struct.pack("<f", float("nan")), b"\x00\x00\x80\x7f")
 COMPONENTS = (1, 1, 1, 25, 100)
@@ -47,8 +45,7 @@ def test_no_packet_of_any_content_raises(flight: MadeFlight) -> None:
         for _ in range(20):
             flight.made.hear(any_packet(rng))
         if rng.random() < 0.5:
-            picture = Image(stamp_us=rng.randrange(2**42), sequence=0, rgb=PIXELS)
-            flight.camera.arrival = Arrival(picture, flight.made.wall.now_s)
+            flight.show(rng.randrange(2**42))
         flight.made.wall.now_s += 0.02
         flight.loop._turn()
     flight.sent()
@@ -84,9 +81,7 @@ def test_texts_without_end_are_forgotten(flight: MadeFlight) -> None:
 def stamped(flight: MadeFlight, offset_us: int) -> list[float]:
     """Hand the loop an image whose stamp is that far off; the velocities that answered it."""
     flight.turn(50, image=False)
-    stamp_us = flight.made.clock.stamp_us + offset_us
-    picture = Image(stamp_us=stamp_us, sequence=0, rgb=PIXELS)
-    flight.camera.arrival = Arrival(picture, flight.made.wall.now_s)
+    flight.show(flight.made.clock.stamp_us + offset_us)
     before = len(flight.made.transport.sent)
     flight.loop._turn()
     return forward_m_s(flight.sent()[before:])
