@@ -2,8 +2,7 @@
 
 Each part is one coded image with a Content-Length. X-Timestamp (seconds of vehicle time) and
 X-Sequence say which image it is; a stream without them is stamped on arrival, and so is an image
-whose stamp no vehicle can have. Nothing that a server sends is believed: opening has one deadline
-for all of it, headers are counted, and a picture's size is known before it is decoded.
+whose stamp no vehicle can have. Opening has one deadline, however slowly the server answers.
 """
 
 import contextlib
@@ -14,22 +13,16 @@ import threading
 from collections.abc import Iterator
 from urllib.parse import SplitResult, urlsplit
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.camera.mailbox import Arrival
-from flightstack.camera.picture_size import is_welcome
+from flightstack.camera.parts import decode_rgb, read_number, read_part, read_stamp_us
 from flightstack.clock import VehicleClock
 from flightstack.records import Image
 
 OPEN_TIMEOUT_S = 5.0  # to connect and to answer, however slowly the headers come
 MULTIPART = "multipart/x-mixed-replace"
-MAX_PART_BYTES = 64 << 20
-MAX_LINE_BYTES = 4096
-MAX_LINES = 64  # of a part's headers
-MAX_DIGITS = 15
-MAX_STAMP_S = 2**32 / 1000  # MAVLink counts vehicle time in 32 bits of milliseconds: 49.7 days
 
 
 class NotMultipartError(OSError):
@@ -64,8 +57,7 @@ class MultipartSource:
     def read(self) -> Arrival:
         """Wait for the next image that decodes; raises OSError when the stream has ended."""
         while True:
-            headers = self._read_headers()
-            content = self._read_exactly(int(headers.get("content-length", "-1")))
+            headers, content = read_part(self._response)
             received_s = self._clock.wall_s()
             rgb = decode_rgb(content)
             if rgb is not None:
@@ -89,60 +81,14 @@ class MultipartSource:
     ) -> Arrival:
         self._count += 1
         told = headers.get("x-timestamp")
-        stamp_us = None if told is None else _stamp_us(told)
+        stamp_us = None if told is None else read_stamp_us(told)
         image = Image(
             stamp_us=self._clock.now_us() if stamp_us is None else stamp_us,
-            sequence=_number(headers.get("x-sequence", ""), self._count),
+            sequence=read_number(headers.get("x-sequence", ""), self._count),
             rgb=rgb,
         )
         odd = "" if told is None or stamp_us is not None else told
         return Arrival(image, received_s, stamped=stamp_us is not None, odd_stamp=odd)
-
-    def _read_headers(self) -> dict[str, str]:
-        headers: dict[str, str] = {}
-        for _ in range(MAX_LINES):
-            line = self._response.readline(MAX_LINE_BYTES)
-            if not line:
-                raise OSError(0, "the stream has ended")
-            name, colon, value = line.decode("latin-1").partition(":")
-            if colon:
-                headers[name.strip().lower()] = value.strip()
-            elif headers and not line.strip():
-                return headers
-        raise OSError(0, f"a part of more than {MAX_LINES} header lines")
-
-    def _read_exactly(self, length: int) -> bytes:
-        if not 0 <= length <= MAX_PART_BYTES:
-            raise OSError(0, f"a part of {length} bytes: Content-Length is missing or wrong")
-        content = self._response.read(length)
-        if len(content) < length:
-            raise OSError(0, "the stream has ended within a frame")
-        return content
-
-
-def decode_rgb(content: bytes) -> NDArray[np.uint8] | None:
-    """Decode a PNG or JPEG into (H, W, 3) RGB; None where it is damaged, none or too large."""
-    if not is_welcome(content):
-        return None
-    try:
-        bgr = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
-    except cv2.error:  # a header that contradicts its data
-        return None
-    return None if bgr is None else np.asarray(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB), np.uint8)
-
-
-def _stamp_us(text: str) -> int | None:
-    """Read seconds of vehicle time; None where they are none that a vehicle can tell."""
-    try:
-        stamp_s = float(text)
-    except ValueError:
-        return None
-    return round(stamp_s * 1e6) if 0.0 <= stamp_s < MAX_STAMP_S else None  # NaN neither
-
-
-def _number(text: str, otherwise: int) -> int:
-    """Read the number of an image, if it is one that a flight can reach."""
-    return int(text) if text.isdecimal() and len(text) <= MAX_DIGITS else otherwise
 
 
 def _connect(parts: SplitResult, timeout_s: float) -> socket.socket:

@@ -15,7 +15,8 @@ import pytest
 
 from flightstack.camera.camera import open_camera
 from flightstack.camera.capture import STREAMS_ONLY, CaptureSource
-from flightstack.camera.multipart import MultipartSource, decode_rgb
+from flightstack.camera.multipart import MultipartSource
+from flightstack.camera.parts import decode_rgb
 from flightstack.camera.picture_size import MAX_PIXELS, picture_size
 from flightstack.clock import VehicleClock
 from flightstack.errors import LinkError

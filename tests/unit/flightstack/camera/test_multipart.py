@@ -2,7 +2,8 @@
 
 import pytest
 
-from flightstack.camera.multipart import MultipartSource, NotMultipartError, decode_rgb
+from flightstack.camera.multipart import MultipartSource, NotMultipartError
+from flightstack.camera.parts import decode_rgb
 from flightstack.clock import VehicleClock
 from tests.unit.flightstack.camera.made_stream import MadeStream, part, picture
 
