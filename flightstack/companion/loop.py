@@ -18,6 +18,7 @@ from flightstack.camera.mailbox import Arrival
 from flightstack.camera.stamps import StampCheck
 from flightstack.camera.watch import ImageWatch
 from flightstack.clock import REBOOT_US
+from flightstack.companion.latencies import Latencies
 from flightstack.companion.mission.hold import hold_for_camera
 from flightstack.companion.mission.machine import advance
 from flightstack.companion.mission.records import Hold, MissionPhase, MissionStatus, Situation
@@ -89,7 +90,7 @@ class FlightLoop:
         self.stop = StopSwitch()
         self.hold: Hold | None = None  # raised by anybody but the camera, until taken back
         self.images = 0
-        self.latencies_s: list[float] = []
+        self.latencies_s = Latencies()
         self._vehicle = vehicle
         self._clock = vehicle.link.clock
         self._camera = camera

@@ -26,15 +26,14 @@ from tests.unit.flightstack.camera.test_camera import next_image
 GOOD = part(picture(1, 2, 3), X_Timestamp="3.5")
 
 
-def png(width: int, height: int, depth: int = 8) -> bytes:
+def chunk(kind: bytes, data: bytes, length: int | None = None) -> bytes:
+    checksum = struct.pack(">I", zlib.crc32(kind + data))
+    return struct.pack(">I", len(data) if length is None else length) + kind + data + checksum
+
+
+def png(width: int, height: int) -> bytes:
     """A PNG of the size that its header says, and of hardly any data: 98 bytes or so."""
-
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return (
-            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-        )
-
-    header = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, depth, 2, 0, 0, 0))
+    header = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
     data = chunk(b"IDAT", zlib.compress(bytes(100)))
     return b"\x89PNG\r\n\x1a\n" + header + data + chunk(b"IEND", b"")
 
@@ -52,7 +51,18 @@ def raw_part(content: bytes, stamp: str = "1.0") -> bytes:
     return head.encode() + content + b"\r\n"
 
 
+def with_chunk(piece: bytes) -> bytes:
+    """A sound PNG with something before its end."""
+    content = cv2.imencode(".png", picture(1, 2, 3))[1].tobytes()
+    return content[:-12] + piece + content[-12:]
+
+
 HUGE = {
+    "a chunk of 4 GB": with_chunk(chunk(b"tEXt", b"x" * 50, length=0xFAFFFFD2)),
+    "a second header": with_chunk(png(100_000, 100_000)[8:33]),
+    "an animation": with_chunk(chunk(b"acTL", struct.pack(">II", 2, 0))),
+    "half a png": cv2.imencode(".png", picture(1, 2, 3))[1].tobytes()[:-20],
+    "1000 scans": cv2.imencode(".jpg", picture(1, 2, 3))[1].tobytes() + b"\xff\xda" * 1000,
     "png": png(100_000, 100_000),
     "png that just fits a line": png(2**31 - 1, 1),
     "a png of 1 MB": png(20_000, 20_000) + bytes(1 << 20),
