@@ -11,12 +11,14 @@ from flightstack.clock import VehicleClock
 from flightstack.companion.console import Console
 from flightstack.companion.discovery import (
     find_camera,
+    listen,
     wait_for_camera,
     wait_for_image,
     wait_for_vehicle,
 )
-from flightstack.companion.loop import FlightLoop, Pilot
+from flightstack.companion.loop import FlightLoop
 from flightstack.companion.mission.records import MissionStatus, Outcome
+from flightstack.companion.piloting.protocols import GuardedPilot
 from flightstack.companion.reporter import Reporter
 from flightstack.companion.signals import landing_first
 from flightstack.companion.summary import FlightSummary
@@ -27,6 +29,7 @@ from flightstack.mavlink.signing import Signing
 from flightstack.mavlink.tlog import TlogWriter
 from flightstack.mavlink.transport import open_transport
 
+PILOT_BEATS_S = 2.5  # wall time: whoever steers beats once a second
 CAMERA_OPENS_S = 5.0  # wall time: it may start when the vehicle does
 
 
@@ -42,12 +45,16 @@ class FlightPlan:
     duration_s: float | None = None  # in OFFBOARD, vehicle time
     gate_timeout_s: float | None = None  # without passing a gate, vehicle time
     lands: bool = True  # at the end
+    takes_over: bool = False  # a vehicle that was armed before, or that has a pilot
+    reach_s: float = 300.0  # a silent vehicle that we have lifted is called for so long
     speed_scale: float = 1.0
     timeout_s: float = 60.0  # for vehicle and camera to be found, wall time
     signing_key: bytes | None = field(default=None, repr=False)
 
 
-def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], console: Console) -> FlightSummary:
+def fly(
+    plan: FlightPlan, load_pilot: Callable[[], GuardedPilot], console: Console
+) -> FlightSummary:
     """Fly, and say what happened; raises a FlightstackError where no flight begins."""
     clock = VehicleClock()
     reporter = Reporter(console)
@@ -64,8 +71,11 @@ def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], console: Console) -> 
         stack.callback(link.close)
         vehicle = VehicleSession(link, plan.takeoff_altitude_m, publish_members=plan.record_images)
         pilot = load_pilot()
+        stack.callback(pilot.close)
         transport.forget_backlog()
         uri = _find(vehicle, plan, console)
+        if vehicle.telemetry.armed:  # by whom? its pilot is heard before we say a word
+            listen(vehicle, PILOT_BEATS_S)
         camera = wait_for_camera(vehicle, uri, min(plan.timeout_s, CAMERA_OPENS_S))
         stack.callback(camera.close)
         wait_for_image(vehicle, camera, plan.timeout_s, name=uri)
@@ -87,6 +97,8 @@ def _mission(plan: FlightPlan) -> MissionStatus:
         duration_us=None if plan.duration_s is None else round(plan.duration_s * 1e6),
         gate_timeout_us=None if plan.gate_timeout_s is None else round(plan.gate_timeout_s * 1e6),
         lands=plan.lands,
+        takes_over=plan.takes_over,
+        reach_us=round(plan.reach_s * 1e6),
     )
 
 
