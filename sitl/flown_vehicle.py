@@ -80,7 +80,7 @@ class FlownVehicle(Generic[Controller]):
         """
         self.config = config
         self.time_us = 0
-        self.track = _lay_out(config)
+        self.track = lay_out(config)
         airframe = self.airframe = load_airframe(config.airframe)
         breakage_rng = chance(config, BREAKAGE_STREAM)
         self._breakage = Breakage(breakage_rng)
@@ -96,12 +96,8 @@ class FlownVehicle(Generic[Controller]):
             altitude_m=config.home[2],
             rotor_noise_share=imu_noise_share,
         )
-        self._camera = CameraFeed(
-            Camera(standing, look_of_day(config)),
-            config.conditions.camera,
-            fault_rng=chance(config, SPOILER_STREAM),
-            failure_rng=breakage_rng,
-        )
+        camera = Camera(standing, look_of_day(config))
+        self._camera = feed_of_day(config, camera, failure_rng=breakage_rng)
         controller = self.controller = make_controller(airframe, self._sensors.imu)
         self.state: VehicleState = self._world.body.state(0)
         self.readings: Readings = self._sensors.update(self.state, controller.pack)
@@ -196,12 +192,25 @@ def look_of_day(config: SimulationConfig) -> Look:
     return in_fog(look, light.fog_visibility_m)
 
 
+def feed_of_day(
+    config: SimulationConfig, camera: Camera, *, failure_rng: np.random.Generator
+) -> CameraFeed:
+    """Let a camera give images as it does on the day of a flight, from its first one on."""
+    return CameraFeed(
+        camera,
+        config.conditions.camera,
+        fault_rng=chance(config, SPOILER_STREAM),
+        failure_rng=failure_rng,
+    )
+
+
 def chance(config: SimulationConfig, stream: int) -> np.random.Generator:
     """Make the generator of one use of the vehicle's seed."""
     return np.random.default_rng([config.seed, stream])
 
 
-def _lay_out(config: SimulationConfig) -> Track:
+def lay_out(config: SimulationConfig) -> Track:
+    """Put the gates of a flight's course, and those beside it, into the world."""
     radius_noise_m, height_noise_m = config.noise_m
     track = make_track(
         config.track_seed,

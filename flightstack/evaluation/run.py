@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
@@ -11,7 +12,7 @@ from flightstack.errors import UsageError
 from flightstack.evaluation.campaign import ray_backend
 from flightstack.evaluation.campaign.flying import fly, models_of
 from flightstack.evaluation.campaign.folder import ROWS, Folder, read_trials
-from flightstack.evaluation.campaign.options import jobs_of
+from flightstack.evaluation.campaign.options import jobs_of, px4_of
 from flightstack.evaluation.campaign.workers import RAY
 from flightstack.evaluation.campaign.write_errors import write_errors_as_usage
 from flightstack.evaluation.pictures.gallery import Draw, draw_all
@@ -23,6 +24,7 @@ from flightstack.evaluation.trials.user_code import code_of
 from flightstack.libraries import MissingLibraryError
 
 NO_PICTURES: Mapping[str, Draw] = {}
+ON_PX4 = "--autopilot=px4"
 SHOWN = 2  # sections on the terminal: the title and the first table
 
 
@@ -39,6 +41,7 @@ def run_experiment(
     beside those that every experiment has. Raises UsageError, ModelError, or UnflownError where
     trials died in every attempt.
     """
+    experiment = _on_its_autopilot(experiment, options)
     if options.report_only:
         rows = read_trials(options.out, experiment)
     else:
@@ -67,8 +70,21 @@ def fly_missing(
 
     Nothing is written before it is clear that all can be flown. Raises as `run_experiment` does.
     """
+    experiment = _on_its_autopilot(experiment, options)
+    px4 = px4_of(options)
     jobs = jobs_of(options)
     if options.backend == RAY:
         ray_backend.check_installed()
     folder = Folder(path, experiment, models_of(experiment), code_of(experiment))
-    return fly(experiment, folder, jobs=jobs, backend=options.backend, keep_logs=keep_logs)
+    return fly(experiment, folder, jobs=jobs, backend=options.backend, keep_logs=keep_logs, px4=px4)
+
+
+def _on_its_autopilot(experiment: Experiment, options: argparse.Namespace) -> Experiment:
+    """Say in an experiment that a real PX4 flies it, so that its rows stay apart from others."""
+    if options.autopilot != "px4" or ON_PX4 in experiment.conditions[0].vehicle_options:
+        return experiment
+    conditions = tuple(
+        replace(condition, vehicle_options=(*condition.vehicle_options, ON_PX4))
+        for condition in experiment.conditions
+    )
+    return replace(experiment, conditions=conditions)

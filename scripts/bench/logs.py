@@ -197,7 +197,7 @@ def first_record(path: Path) -> bytes:
 
 def measure_summary(path: Path, rounds: int) -> None:
     """Print the wall and CPU time of a summary after start-up."""
-    from flightstack.logs.commands.summary import summary_of  # noqa: PLC0415
+    from flightstack.logs.facts.whole_log import summary_of  # noqa: PLC0415
 
     summary_of(path, None)  # imports and tables
     walls, cpus = [], []

@@ -69,9 +69,15 @@ class Px4Connection:
         return self._px4 is not None
 
     @property
-    def is_congested(self) -> bool:
-        """Whether PX4 has not yet taken all that was sent."""
-        return len(self._pending) > 0
+    def is_ready(self) -> bool:
+        """Whether a PX4 is there and has taken all that was sent."""
+        return self._px4 is not None and not self._pending
+
+    @property
+    def awaited(self) -> str:
+        """What is waited for while there is none."""
+        host, port = self.address
+        return f"PX4 to connect to tcp {host}:{port}"
 
     def serve(self, timeout_s: float = 0.0) -> None:
         """Accept, read, send what waits; wait at most `timeout_s` for something to do."""

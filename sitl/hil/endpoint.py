@@ -1,7 +1,7 @@
-"""Our side of a real PX4's MAVLink: camera and referee on the relay, if there is one.
+"""Our side of a vehicle that speaks MAVLink for itself, as a real PX4 does: camera and referee.
 
-PX4 speaks for itself. Without a relay nobody hears our components: the camera is its stream alone,
-and what the referee sees is logged.
+They speak on the relay of its companion's link. Without a relay nobody hears our components: the
+camera is its stream alone, and what the referee sees is logged.
 """
 
 import logging
@@ -10,8 +10,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from sitl.clock import Schedule
-from sitl.hil.connection import Px4Connection
-from sitl.hil.relay import CompanionLink, Px4Side
+from sitl.hil.relay import Relay
 from sitl.mavlink.components.camera_component import CameraComponent, CameraFacts
 from sitl.mavlink.components.referee_component import RefereeComponent
 from sitl.mavlink.links.link import Guard, Link
@@ -45,26 +44,46 @@ _log = logging.getLogger(__name__)
 class TimedVehicle(JudgedVehicle, Protocol):
     """What is flown, on its course and in its time."""
 
-    time_us: int
+    @property
+    def time_us(self) -> int:
+        """Vehicle time since boot."""
 
 
-class Px4Endpoint:
+class Flyer(Protocol):
+    """Whoever flies the vehicle, over a connection that comes and goes."""
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether time may pass."""
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether it is there at all."""
+
+    @property
+    def awaited(self) -> str:
+        """What is waited for where it is not, in words."""
+
+    connections: int  # how often one has come so far
+
+
+class ComponentsEndpoint:
     """What a server runs in place of the emulated vehicle's endpoint."""
 
     def __init__(
         self,
         vehicle: TimedVehicle,
-        connection: Px4Connection,
+        flyer: Flyer,
         *,
         system: int,
         camera: CameraFacts,
         guard: Guard,
-        relay: tuple[CompanionLink, Px4Side] | None = None,
+        relay: Relay | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """`clock` is the wall clock in seconds."""
         self._vehicle = vehicle
-        self._connection = connection
+        self._flyer = flyer
         self._system = system
         self._guard = guard
         self._link = None if relay is None else relay[0]
@@ -79,8 +98,8 @@ class Px4Endpoint:
 
     @property
     def is_ready(self) -> bool:
-        """Whether a PX4 is there and takes what is sent."""
-        return self._connection.is_connected and not self._connection.is_congested
+        """Whether time may pass: whoever flies is there."""
+        return self._flyer.is_ready
 
     @property
     def is_listing(self) -> bool:
@@ -98,8 +117,8 @@ class Px4Endpoint:
     def publish(self) -> None:
         """Pass on what PX4 has said, and say what the referee saw."""
         self._waiting_since_s = None
-        if self._served != self._connection.connections:
-            self._served = self._connection.connections
+        if self._served != self._flyer.connections:
+            self._served = self._flyer.connections
             if self._px4_side is not None:
                 self._px4_side.forget()
         if self._px4_side is not None:
@@ -130,14 +149,13 @@ class Px4Endpoint:
     def repeat_heartbeats(self) -> None:
         """Say that our components are alive; and now and then what is waited for."""
         self._send_heartbeats()
-        if self._connection.is_connected:
+        if self._flyer.is_connected:
             return
         now_s = self._clock()
         since_s = self._waiting_since_s
         if since_s is None or now_s - since_s >= WAITING_S:
             self._waiting_since_s = now_s
-            host, port = self._connection.address
-            _log.warning("waiting for PX4 to connect to tcp %s:%d", host, port)
+            _log.warning("waiting for %s", self._flyer.awaited)
 
     def receive(self, link: Link) -> bool:
         """Take one datagram of the companion, which has been passed on by then."""

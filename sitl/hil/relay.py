@@ -94,6 +94,9 @@ class Px4Side:
                 self.attitude_us = int.from_bytes(payload[:4], "little") * 1000  # time_boot_ms
 
 
+Relay = tuple[CompanionLink, Px4Side]
+
+
 def _packets(datagram: bytes) -> Iterator[tuple[int, bytes]]:
     """Walk through unsigned MAVLink 2 packets: each one's message id and payload."""
     start = 0

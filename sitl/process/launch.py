@@ -20,6 +20,7 @@ from sitl.mavlink.links.udp_link import LinkConfig, UdpLink
 from sitl.mavlink.streams.health import heartbeat
 from sitl.mavlink.wire.signing import Signing
 from sitl.process.options.command_line import Options
+from sitl.process.options.external_options import ExternalOptions
 from sitl.process.options.px4_options import Px4Options
 from sitl.process.options.signing_key import read_key, write_key
 from sitl.process.quiet import quiet_outputs
@@ -27,6 +28,7 @@ from sitl.records.mavlink_numbers import MavState
 from sitl.records.modes import Mode
 
 if TYPE_CHECKING:
+    from sitl.hil.relay import Relay
     from sitl.process.server import Server
 
 _log = logging.getLogger(__name__)
@@ -47,6 +49,8 @@ def launch(options: Options) -> int:
     with ExitStack() as stack:
         if options.px4 is not None:
             return _launch_px4(options, options.px4, unix_epoch_us, stack)
+        if options.external is not None:
+            return _launch_external(options, options.external, unix_epoch_us, stack)
         guard = _make_guard(options)
         links = _open_links(options, guard, stack)
         boot = heartbeat(Mode.HOLD.custom_mode, Mode.HOLD.base_mode, MavState.UNINIT)
@@ -61,19 +65,11 @@ def launch(options: Options) -> int:
 
 
 def _launch_px4(options: Options, px4: Px4Options, unix_epoch_us: int, stack: ExitStack) -> int:
-    from sitl.hil.connection import Px4Connection  # noqa: PLC0415  only a real PX4 needs them
-    from sitl.hil.relay import CompanionLink, Px4Side, relay_ports  # noqa: PLC0415
+    from sitl.hil.connection import Px4Connection  # noqa: PLC0415  only a real PX4 needs it
 
     guard = Guard()
     connection = stack.enter_context(closing(Px4Connection(px4.hil_address)))
-    relay = None
-    if px4.has_relay:
-        px4_side = stack.enter_context(closing(Px4Side(relay_ports(options.instance))))
-        local, remote = options.api_ports
-        config = LinkConfig(name="relay", local_port=local, remote_port=remote)
-        link = CompanionLink(config, px4_side, system=options.system, index=1, guard=guard)
-        px4_side.link = stack.enter_context(closing(link))
-        relay = (link, px4_side)
+    relay = _open_relay(options, guard, stack) if px4.has_relay else None
     with quiet_outputs():
         from sitl.process.px4_assembly import assemble_px4  # noqa: PLC0415  brings pybullet
 
@@ -81,6 +77,39 @@ def _launch_px4(options: Options, px4: Px4Options, unix_epoch_us: int, stack: Ex
     host, port = connection.address
     _log.info("simulator of PX4 %d: tcp %s:%d, camera %s", options.instance, host, port, stream.uri)
     return _run(server, options)
+
+
+def _launch_external(
+    options: Options, external: ExternalOptions, unix_epoch_us: int, stack: ExitStack
+) -> int:
+    ears = Guard()  # of its own: what PX4 says in newer messages than ours is nobody's fault
+    link: Link
+    if external.kind == "udpin":
+        host, port = external.address
+        config = LinkConfig(name="poses", local_port=port, remote_port=0, host=host)
+        link = UdpLink(config, system=options.system, index=0, guard=ears)
+    else:
+        link = UdpClientLink(external.address, system=options.system, index=0, guard=ears)
+    stack.enter_context(closing(link))
+    guard = Guard()
+    relay = _open_relay(options, guard, stack) if external.has_relay else None
+    with quiet_outputs():
+        from sitl.process.external_assembly import assemble_external  # noqa: PLC0415  brings pybullet
+
+    server, stream = assemble_external(options, link, relay, guard, unix_epoch_us, stack)
+    _log.info("follows vehicle %d: %s, camera %s", options.system, link.describe(), stream.uri)
+    return _run(server, options)
+
+
+def _open_relay(options: Options, guard: Guard, stack: ExitStack) -> "Relay":
+    from sitl.hil.relay import CompanionLink, Px4Side, relay_ports  # noqa: PLC0415  few need them
+
+    px4_side = stack.enter_context(closing(Px4Side(relay_ports(options.instance))))
+    local, remote = options.api_ports
+    config = LinkConfig(name="relay", local_port=local, remote_port=remote)
+    link = CompanionLink(config, px4_side, system=options.system, index=1, guard=guard)
+    px4_side.link = stack.enter_context(closing(link))
+    return link, px4_side
 
 
 def _print_px4_environment(options: Options) -> None:

@@ -6,16 +6,14 @@ from contextlib import ExitStack, closing
 from sitl.flown_vehicle import FlownVehicle
 from sitl.hil.connection import Px4Connection
 from sitl.hil.controller import HilController
-from sitl.hil.endpoint import Px4Endpoint
-from sitl.hil.relay import CompanionLink, Px4Side
+from sitl.hil.endpoint import ComponentsEndpoint
+from sitl.hil.relay import Relay
 from sitl.mavlink.links.link import Guard, Link
 from sitl.process.lockstep import Lockstep
 from sitl.process.options.command_line import Options
 from sitl.process.server import Server
 from sitl.process.streams.camera_stream import CameraStream
 from sitl.process.surroundings import describe_camera, keep_records, make_config
-
-Relay = tuple[CompanionLink, Px4Side]
 
 
 def assemble_px4(
@@ -42,7 +40,7 @@ def assemble_px4(
         imu_noise_share=options.conditions.estimate.rotor_noise_share,
     )
     stack.enter_context(closing(vehicle))
-    endpoint = Px4Endpoint(
+    endpoint = ComponentsEndpoint(
         vehicle,
         connection,
         system=options.system,

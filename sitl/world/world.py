@@ -7,7 +7,7 @@ import pybullet
 from sitl.frames import GRAVITY_M_S2, flip, to_bullet_quaternion
 from sitl.records.course import Gate
 from sitl.records.gate import BAR_CENTRES, BAR_HALF_EXTENTS
-from sitl.records.motion import MotorThrusts, VehicleState
+from sitl.records.motion import MotorThrusts, Quaternion, Vector3, VehicleState
 from sitl.world.airframe import Airframe
 from sitl.world.body import QuadrotorBody
 
@@ -46,6 +46,17 @@ class World:
         """Whether the vehicle is in contact with a gate after the last tick."""
         contacts = pybullet.getContactPoints(bodyA=self.body.body_id, physicsClientId=self._client)
         return bool(contacts) and any(contact[2] in self._gates for contact in contacts)
+
+    def touches_gate_at(self, position_ned: Vector3, q_ned_frd: Quaternion) -> bool:
+        """Whether the vehicle touches a gate where somebody else has put it, without a tick."""
+        pybullet.resetBasePositionAndOrientation(
+            self.body.body_id,
+            flip(position_ned),
+            to_bullet_quaternion(q_ned_frd),
+            physicsClientId=self._client,
+        )
+        pybullet.performCollisionDetection(physicsClientId=self._client)
+        return self.touches_gate()
 
     def _add_ground(self) -> None:
         shape = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=self._client)

@@ -2,6 +2,7 @@
 
 import contextlib
 from collections import Counter
+from pathlib import Path
 
 from flightstack import models
 from flightstack.errors import FlightstackError, ModelError
@@ -31,11 +32,18 @@ def models_of(experiment: Experiment) -> dict[str, str]:
 
 
 def fly(
-    experiment: Experiment, folder: Folder, *, jobs: int, backend: str = LOKY, keep_logs: bool
+    experiment: Experiment,
+    folder: Folder,
+    *,
+    jobs: int,
+    backend: str = LOKY,
+    keep_logs: bool,
+    px4: Path | None = None,
 ) -> list[TrialRow]:
     """Fly all trials that the folder lacks; returns all rows, which do not depend on `jobs`.
 
-    Raises UnflownError after all others are flown, where trials died in every attempt.
+    `px4` is a real one, which flies in place of the emulated autopilot. Raises UnflownError after
+    all others are flown, where trials died in every attempt.
     """
     weights, version = _weights_of(experiment), commit()
     losses: Counter[Key] = Counter()  # of flights, by the death of a worker
@@ -45,7 +53,7 @@ def fly(
             trials = [trial for trial in folder.missing if trial.key not in given_up]
             if not trials:
                 break
-            workers = Workers(jobs, backend, keep_logs=keep_logs)
+            workers = Workers(jobs, backend, keep_logs=keep_logs, px4=px4)
             assignments = (
                 (trial, _provenance(experiment, trial, weights, version)) for trial in trials
             )

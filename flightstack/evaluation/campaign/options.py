@@ -19,8 +19,20 @@ def add_flying_options(parser: argparse.ArgumentParser, *, tracks: int = 50) -> 
     add("--jobs", type=int, metavar="N", help="flights at once (default: one per core)")
     add("--backend", choices=("loky", "ray"), default="loky", help="(default: loky)")
     add("--out", type=Path, required=True, metavar="DIR", help="folder of rows and results")
+    add("--autopilot", choices=("emulated", "px4"), default="emulated", help="who flies")
+    add("--px4", type=Path, metavar="PATH", help="build folder or binary of a real PX4")
     add("--keep-logs", action="store_true", help="keep the companion's tlog of each trial")
     add("--report-only", action="store_true", help="make the results anew from DIR's rows")
+
+
+def px4_of(options: argparse.Namespace) -> Path | None:
+    """Return the real PX4 that flies, None where the emulated autopilot does. Raises UsageError."""
+    px4: Path | None = options.px4
+    if options.autopilot == "px4" and px4 is None and not options.report_only:
+        raise UsageError("--autopilot px4 needs --px4 PATH: PX4's build folder or its binary")
+    if options.autopilot != "px4" and px4 is not None:
+        raise UsageError("--px4: only with --autopilot px4")
+    return px4
 
 
 def jobs_of(options: argparse.Namespace) -> int:

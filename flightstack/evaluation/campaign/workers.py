@@ -28,7 +28,9 @@ Assignment = tuple[Trial, Provenance]
 class Workers:
     """Workers for a list of assignments: where one dies, all flights under way are lost."""
 
-    def __init__(self, jobs: int, backend: str, *, keep_logs: bool) -> None:
+    def __init__(
+        self, jobs: int, backend: str, *, keep_logs: bool, px4: Path | None = None
+    ) -> None:
         # A trial is handed out when a worker is free for it: what is handed out is under way.
         self._settings: dict[str, Any] = {
             "n_jobs": jobs,
@@ -39,7 +41,7 @@ class Workers:
         if backend == RAY:
             ray_backend.register()
             self._settings |= {"backend": ray_backend.NAME}
-        self._keep_logs = keep_logs
+        self._keep_logs, self._px4 = keep_logs, px4
         self._began_s: dict[Trial, float] = {}  # of the flights under way, in monotonic time
         self.has_died = False
 
@@ -69,12 +71,12 @@ class Workers:
             try:
                 with ignoring_interrupts():  # workers start here: a Ctrl-C is for the command alone
                     flights = Parallel(**self._settings)(
-                        delayed(_fly_one)(assignment, scratch, self._keep_logs)
+                        delayed(_fly_one)(assignment, scratch, self._keep_logs, self._px4)
                         for assignment in self._hand_out(assignments)
                     )
                 yield from flights
             finally:
-                _launcher().close()  # which has flown where one job needs no worker
+                _launcher(self._px4).close()  # which has flown where one job needs no worker
 
     def _hand_out(self, assignments: Iterable[Assignment]) -> Iterator[Assignment]:
         for assignment in assignments:
@@ -82,18 +84,23 @@ class Workers:
             yield assignment
 
 
-def _fly_one(assignment: Assignment, scratch: str, keep_log: bool) -> FlownTrial:  # noqa: FBT001
+def _fly_one(
+    assignment: Assignment,
+    scratch: str,
+    keep_log: bool,  # noqa: FBT001
+    px4: Path | None,
+) -> FlownTrial:
     trial, provenance = assignment
-    launcher = _launcher()
+    launcher = _launcher(px4)
     launcher.scratch = Path(scratch) if Path(scratch).is_dir() else None  # on another machine
     return launcher.fly(trial, provenance, keep_log=keep_log)
 
 
 @functools.cache
-def _launcher() -> TrialFlyer:
+def _launcher(px4: Path | None) -> TrialFlyer:
     """Return this worker's own."""
     if multiprocessing.parent_process() is not None:  # one that was started late
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-    launcher = TrialFlyer()
+    launcher = TrialFlyer(px4=px4)
     atexit.register(launcher.close)
     return launcher

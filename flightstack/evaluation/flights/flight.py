@@ -1,7 +1,9 @@
 """Fly one trial to a row: again where it died, and never without saying so."""
 
+import contextlib
 import tempfile
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
@@ -12,9 +14,11 @@ from flightstack.evaluation.flights.trace import Trace
 from flightstack.evaluation.flights.trial_request import request_of
 from flightstack.evaluation.trials.experiment import Trial
 from flightstack.evaluation.trials.rows import TrialRow
+from flightstack.launch.cold import ColdStarter
 from flightstack.launch.errors import FlightCrashedError, FlightDiedError
 from flightstack.launch.order import VEHICLE, Ended, Order, Starter
 from flightstack.launch.ports import Ports
+from flightstack.launch.px4 import held_ports
 from flightstack.launch.request import LAP_LIMIT_S, FlightRequest
 from flightstack.launch.result import FlightResult, read_result
 from flightstack.launch.warm import WarmStarter
@@ -59,9 +63,11 @@ class FlownTrial:
 class TrialFlyer:
     """Flies trials one after another; for one thread."""
 
-    def __init__(self, starter: Starter | None = None) -> None:
+    def __init__(self, starter: Starter | None = None, *, px4: Path | None = None) -> None:
+        """Fly by a real PX4, where one is given, which is started anew for each flight."""
         self.scratch: Path | None = None  # for flights' folders; else where temporary files are
-        self._starter = WarmStarter() if starter is None else starter
+        self._px4 = px4
+        self._starter = starter or (WarmStarter() if px4 is None else ColdStarter())
 
     def fly(self, trial: Trial, provenance: Provenance, *, keep_log: bool = False) -> FlownTrial:
         """Fly up to ATTEMPTS times; raises UsageError or ModelError where no attempt can help."""
@@ -86,10 +92,11 @@ class TrialFlyer:
     def _attempt(self, trial: Trial, provenance: Provenance, *, keep_log: bool) -> CompletedFlight:
         with tempfile.TemporaryDirectory(prefix="trial-", dir=self.scratch) as name:
             log = Path(name, LOG)
-            request = request_of(trial, log)
+            request = replace(request_of(trial, log), px4=self._px4)
             limit_s = START_S + LAP_LIMIT_S * trial.laps / MIN_SPEED_FACTOR
-            order = Order(request=request, ports=Ports.find(), folder=Path(name), limit_s=limit_s)
-            result = _result(trial, request, self._starter.fly(order))
+            with _ports(request) as ports:
+                order = Order(request=request, ports=ports, folder=Path(name), limit_s=limit_s)
+                result = _result(trial, request, self._starter.fly(order))
             try:
                 row, trace = read_flight(trial, provenance, result, log)
             except FlightstackError as error:
@@ -102,6 +109,16 @@ class TrialFlyer:
                 simulated_s=simulated_s,
                 flight_s=simulated_s / result.real_time_factor,
             )
+
+
+@contextlib.contextmanager
+def _ports(request: FlightRequest) -> Iterator[Ports]:
+    """Give free ports; those of a real PX4 are fixed by its instance, which is held."""
+    if request.px4 is None:
+        yield Ports.find()
+        return
+    with held_ports(request) as ports:
+        yield ports
 
 
 def _result(trial: Trial, request: FlightRequest, ended: Ended) -> FlightResult:

@@ -7,13 +7,15 @@ for very long, it ends all the same.
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs.columns.log import Log
-from flightstack.logs.columns.reading import from_packets
+from flightstack.logs.columns.reading import from_packets, read
 from flightstack.logs.dialect.message_types import message_id
+from flightstack.logs.progress import progress
 from flightstack.logs.tlog.packets import Packets, join
 from flightstack.logs.tlog.scanner import scan
 from flightstack.logs.tlog.source import WINDOW_BYTES, ByteSource, open_source
@@ -97,7 +99,7 @@ def read_parts(
     *,
     part_packets: int | None = None,
     window_bytes: int = WINDOW_BYTES,
-    progress: Progress | None = None,
+    report: Progress | None = None,
 ) -> Iterator[LogPart]:
     """Yield a tlog in parts of about so many packets; LogFileError for what is no log."""
     source = open_source(path)
@@ -112,11 +114,22 @@ def read_parts(
         count += len(packets)
         stop = int(packets.end[-1])
         may_end = not arming.follow(source, packets) or count >= MAX_PARTS * enough
-        if progress is not None:
-            progress(stop)
+        if report is not None:
+            report(stop)
         leaves_enough = (source.size - stop) * LEAST_REST >= stop - start
         if may_end and leaves_enough and count >= enough:
             yield _part(source, pieces, start, stop)
             start, count = stop, 0
     if pieces or start < source.size:
         yield _part(source, pieces, start, source.size)
+
+
+def logs_of(log: str | Path) -> Iterator[Log]:
+    """Yield a log; a large one in parts, in order, while the terminal shows how far it is."""
+    if not is_large(log):
+        yield read(log)
+        return
+    path = Path(log)
+    with progress(path.name, path.stat().st_size) as done:
+        for part in read_parts(path, report=done):
+            yield part.log

@@ -2,21 +2,30 @@
 
 import json
 from argparse import Namespace
+from pathlib import Path
 
 from flightstack.logs.checks import Level, run_checks
+from flightstack.logs.columns.segments import is_large
 from flightstack.logs.commands.opening import open_flight, use_checks
+from flightstack.logs.facts.values import Facts
+from flightstack.logs.facts.whole_log import summary_of
 from flightstack.logs.text.summary_text import check_lines
+
+
+def _findings(log: str, system: int | None) -> list[Facts]:
+    if is_large(log):
+        checks: list[Facts] = summary_of(Path(log), system)["checks"]
+        return checks
+    return [finding.as_facts() for finding in run_checks(open_flight(log, system))]
 
 
 def run(arguments: Namespace) -> int:
     """Print what every check finds; with --strict exit 1 if one finds an error."""
     use_checks(arguments)
-    flight = open_flight(arguments.log, arguments.system)
-    findings = run_checks(flight)
+    findings = _findings(arguments.log, arguments.system)
     if arguments.json:
-        facts = [finding.as_facts() for finding in findings]
-        print(json.dumps({"log": flight.log.name, "checks": facts}))
+        print(json.dumps({"log": arguments.log, "checks": findings}))
     else:
-        print("\n".join(check_lines(finding.as_facts() for finding in findings)))
-    failed = any(finding.level is Level.ERROR for finding in findings)
+        print("\n".join(check_lines(findings)))
+    failed = any(finding["level"] == Level.ERROR.value for finding in findings)
     return 1 if arguments.strict and failed else 0

@@ -3,9 +3,13 @@
 import importlib
 import json
 from argparse import Namespace
+from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 
+from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.reading import read
+from flightstack.logs.columns.segments import is_large, logs_of
 from flightstack.logs.commands.arguments import names_in, writing
 from flightstack.logs.errors import LogFileError
 
@@ -22,20 +26,29 @@ def _format(arguments: Namespace) -> str:
     return str(ending)
 
 
+def _parts(arguments: Namespace, counts: Counter[str]) -> Iterator[Log]:
+    """Yield what is asked for, of a large log part by part; `counts` grows by it."""
+    types = names_in(arguments.types) or None
+    large = is_large(arguments.log)
+    for part in logs_of(arguments.log) if large else [read(arguments.log, types=types)]:
+        log = part.select(types=types, system=arguments.system)
+        counts.update(log.counts)
+        yield log
+
+
 def run(arguments: Namespace) -> int:
     """Write the log in another format and say where."""
     kind = _format(arguments)
-    types = names_in(arguments.types) or None
-    log = read(arguments.log, types=types, system=arguments.system)
+    counts: Counter[str] = Counter()
     default = Path(arguments.log).with_suffix(ENDINGS[kind] or f".{kind}")
     output: Path = arguments.output or default
     writer = importlib.import_module(f"flightstack.logs.export.{kind}")
     with writing(output):
         options = {"raw_cells": arguments.raw_cells} if kind == "csv" else {}
-        written = getattr(writer, f"write_{kind}")(log, output, **options)
+        written = getattr(writer, f"write_{kind}")(_parts(arguments, counts), output, **options)
     if arguments.json:
-        print(json.dumps({"written": [str(path) for path in written], "messages": len(log)}))
+        print(json.dumps({"written": [str(path) for path in written], "messages": counts.total()}))
     else:
         files = f"{len(written)} files" if len(written) != 1 else "one file"
-        print(f"wrote {len(log)} messages to {output} ({files})")
+        print(f"wrote {counts.total()} messages to {output} ({files})")
     return 0

@@ -19,7 +19,7 @@ def _of_log(arguments: Namespace) -> Iterable[Facts]:
 def _of_parts(arguments: Namespace) -> Iterable[Facts]:
     """Return the facts of a large log, part by part."""
     with progress(arguments.log, Path(arguments.log).stat().st_size) as done:
-        logs = (part.log for part in read_parts(arguments.log, progress=done))
+        logs = (part.log for part in read_parts(arguments.log, report=done))
         return joined_message_facts(log.select(system=arguments.system) for log in logs)
 
 

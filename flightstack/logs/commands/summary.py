@@ -3,44 +3,16 @@
 import json
 import sys
 from argparse import Namespace
-from collections.abc import Iterator
 from functools import partial
-from pathlib import Path
 
-from flightstack.logs.checks import run_checks
-from flightstack.logs.columns.segments import Progress, is_large, read_parts
 from flightstack.logs.commands.many_logs import for_each
-from flightstack.logs.commands.opening import logs_in, open_flight, use_checks
+from flightstack.logs.commands.opening import logs_in, use_checks
 from flightstack.logs.errors import LogFileError
-from flightstack.logs.facts.merging import merge_parts
-from flightstack.logs.facts.summary import summarise
 from flightstack.logs.facts.values import Facts
-from flightstack.logs.flight.flight import Flight
+from flightstack.logs.facts.whole_log import summary_of
 from flightstack.logs.printable import printable
 from flightstack.logs.progress import progress
 from flightstack.logs.text.summary_text import one_line, page
-
-
-def _flight_facts(flight: Flight) -> Facts:
-    return summarise(flight, run_checks(flight))
-
-
-def _part_facts(path: Path, system: int | None, done: Progress) -> Iterator[tuple[Facts, int]]:
-    """Yield the facts of each part of a large log, and where it starts; all of one vehicle."""
-    chosen = system
-    for part in read_parts(path, progress=done):
-        flight = Flight(part.log, chosen)
-        if chosen is None and flight.vehicle is not None:
-            chosen = flight.vehicle.system
-        yield _flight_facts(flight), part.start
-
-
-def summary_of(path: Path, system: int | None) -> Facts:
-    """Return the facts of one log; of a large one part by part."""
-    if not is_large(path):
-        return _flight_facts(open_flight(path, system))
-    with progress(path.name, path.stat().st_size) as done:
-        return merge_parts(_part_facts(path, system, done))
 
 
 def _say(facts: Facts, *, as_json: bool, in_a_row: bool) -> None:

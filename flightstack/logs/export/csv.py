@@ -1,5 +1,6 @@
 """Write each message type as a CSV file: time, source, then its fields, arrays one column each."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -52,17 +53,19 @@ def rows(table: Table, *, raw_cells: bool = False) -> bytes:
     return fast_text.text_of(fast_text.beside([*parts, "\n"], len(table)))
 
 
-def write_csv(log: Log, folder: Path, *, raw_cells: bool = False) -> list[Path]:
+def write_csv(parts: Iterable[Log], folder: Path, *, raw_cells: bool = False) -> list[Path]:
     """Write one file a message type into a folder and return their paths."""
     folder.mkdir(parents=True, exist_ok=True)
-    written = []
-    for name in log.counts:
-        table = log[name]
-        path = folder / f"{name}.csv"
-        with path.open("wb") as file:
-            file.write((",".join(header(table)) + "\n").encode())
-            for start in range(0, len(table), CHUNK):
-                part = table.take(slice(start, start + CHUNK))
-                file.write(rows(part, raw_cells=raw_cells))
-        written.append(path)
-    return written
+    written: dict[str, Path] = {}
+    for log in parts:
+        for name in log.counts:
+            table = log[name]
+            is_new = name not in written
+            path = written.setdefault(name, folder / f"{name}.csv")
+            with path.open("wb" if is_new else "ab") as file:
+                if is_new:
+                    file.write((",".join(header(table)) + "\n").encode())
+                for start in range(0, len(table), CHUNK):
+                    some = table.take(slice(start, start + CHUNK))
+                    file.write(rows(some, raw_cells=raw_cells))
+    return list(written.values())

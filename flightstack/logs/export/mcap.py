@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -74,15 +75,20 @@ def _messages(part: Log) -> list[tuple[int, Table, tuple[int, int, int, int], by
     return sorted(found, key=lambda each: each[0])
 
 
-def write_mcap(log: Log, path: Path) -> list[Path]:
+def _pieces(parts: Iterable[Log]) -> Iterator[Log]:
+    for log in parts:
+        for start in range(0, len(log), CHUNK):
+            yield log.rows(slice(start, start + CHUNK))
+
+
+def write_mcap(parts: Iterable[Log], path: Path) -> list[Path]:
     """Write the log as one file and return its path."""
     mcap = load_library("mcap.writer", "logs")
     with path.open("wb") as file:
         writer = mcap.Writer(file)
         writer.start(profile="", library="flightstack")
         channels = _Channels(writer)
-        for start in range(0, len(log), CHUNK):
-            part = log.rows(slice(start, start + CHUNK))
+        for part in _pieces(parts):
             part.load(part.counts)
             for _, table, (time_us, system, component, sequence), data in _messages(part):
                 writer.add_message(

@@ -1,5 +1,7 @@
 """Write each message type as a Parquet file, units in the columns' metadata."""
 
+from collections.abc import Iterable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -33,13 +35,18 @@ def _arrow_table(arrow: Any, table: Table) -> Any:
     return arrow.Table.from_arrays(columns, schema=arrow.schema(fields))
 
 
-def write_parquet(log: Log, folder: Path) -> list[Path]:
+def write_parquet(parts: Iterable[Log], folder: Path) -> list[Path]:
     """Write one file a message type into a folder and return their paths."""
     arrow, parquet = (load_library(name, "logs") for name in ("pyarrow", "pyarrow.parquet"))
     folder.mkdir(parents=True, exist_ok=True)
-    written = []
-    for name in log.counts:
-        path = folder / f"{name}.parquet"
-        parquet.write_table(_arrow_table(arrow, log[name]), path)
-        written.append(path)
-    return written
+    writers: dict[Path, Any] = {}
+    with ExitStack() as stack:
+        for log in parts:
+            for name in log.counts:
+                table = _arrow_table(arrow, log[name])
+                path = folder / f"{name}.parquet"
+                if path not in writers:
+                    writer = parquet.ParquetWriter(path, table.schema)
+                    writers[path] = stack.enter_context(writer)
+                writers[path].write_table(table)
+    return list(writers)

@@ -54,6 +54,7 @@ from flightstack.logs.flight.vehicle import (
     vehicle_of,
 )
 
+TELL_LANDED = ("EXTENDED_SYS_STATE", "HIGH_LATENCY")  # the first that is there
 SUMMARY_MESSAGES = (
     "ATTITUDE",
     "AUTOPILOT_VERSION",
@@ -62,6 +63,7 @@ SUMMARY_MESSAGES = (
     "DEBUG_FLOAT_ARRAY",
     "EXTENDED_SYS_STATE",
     "HEARTBEAT",
+    "HIGH_LATENCY",
     "HIGH_LATENCY2",
     "LOCAL_POSITION_NED",
     "MISSION_CURRENT",
@@ -166,7 +168,8 @@ class Flight:
     @cached_property
     def outings(self) -> list[Interval]:
         """When the vehicle was under way, whatever it is."""
-        states = self.of_vehicle("EXTENDED_SYS_STATE")
+        told = map(self.of_vehicle, TELL_LANDED)
+        states = next((table for table in told if len(table)), self.of_vehicle(TELL_LANDED[0]))
         return find_outings(self.outing_kind, self.motion, self.armed, states, self.end_us)
 
     @property

@@ -138,7 +138,7 @@ def _while_armed(motion: Motion, kind: OutingKind, armed: Interval) -> list[Inte
 def find_outings(
     kind: OutingKind, motion: Motion, armed: list[Interval], states: Table, end_us: int
 ) -> list[Interval]:
-    """Return when the vehicle was under way; `states` are its EXTENDED_SYS_STATE."""
+    """Return when the vehicle was under way; `states` tell whether it has landed."""
     told = states["landed_state"]
     if len(states) and told.any() and not (kind.by_speed or kind.is_down):
         labels = np.where(np.isin(told, ALOFT), kind.noun, "").tolist()

@@ -1,6 +1,8 @@
 """Read a vehicle's parameters from a log, and what changed in flight."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,7 @@ INTEGER_TYPES = {1: "u1", 2: "i1", 3: "<u2", 4: "<i2", 5: "<u4", 6: "<i4"}  # MA
 HASH_CHECK = "_HASH_CHECK"  # PX4's checksum of all, not a parameter
 
 Value = int | float
+NONE_KNOWN: Mapping[str, Value] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,11 +79,14 @@ def _told(flight: Flight) -> Table:
     return table.take(ours)
 
 
-def read_parameters(flight: Flight) -> LoggedParameters:
-    """Return the parameters that the vehicle told, or that were fetched from it as a file."""
+def read_parameters(flight: Flight, known: Mapping[str, Value] = NONE_KNOWN) -> LoggedParameters:
+    """Return the parameters that the vehicle told, or that were fetched from it as a file.
+
+    `known` are those of before, where the flight is in a part of a log.
+    """
     table = _told(flight)
     names = table["param_id"].tolist()
-    latest: dict[str, Value] = {}
+    latest = dict(known)
     changes = []
     rows = zip(
         table.time_us.tolist(), names, _values(table, bytewise=is_bytewise(flight)), strict=True

@@ -86,8 +86,8 @@ def _latency_row(flight: Flight) -> list[PlotRow]:
         x = seconds_of(flight, answers.time_us)
         trace = line(x, answers.latency_ms, "frame to setpoint", "#8e6bbf")
         return [PlotRow(title="latency, ms", traces=[trace])]
-    if flight.vehicle is None or not len(flight.setpoints):
-        return []
+    if flight.vehicle is None or not len(flight.setpoints) or not flight.log.is_telemetry:
+        return []  # a vehicle's own log stamps them itself
     offset_us = boot_offset_us(flight.log, flight.vehicle)
     if offset_us is None:
         return []

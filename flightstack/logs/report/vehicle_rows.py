@@ -93,7 +93,11 @@ def _channels(flight: Flight) -> list[PlotRow]:
 def _outputs(flight: Flight) -> list[PlotRow]:
     table = flight.of_vehicle("SERVO_OUTPUT_RAW")
     table = table.take(table["port"] == 0)
-    return _lines(flight, table, [f"servo{n}_raw" for n in range(1, 17)], "outputs, us")
+    names = [f"servo{n}_raw" for n in range(1, 17)]
+    moved = [
+        name for name in names if len(table) and np.ptp(table[name]) > 0
+    ]  # others drive nothing
+    return _lines(flight, table, moved, "outputs, us")
 
 
 def _estimator(flight: Flight) -> list[PlotRow]:

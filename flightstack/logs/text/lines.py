@@ -5,7 +5,7 @@ in the order of the log.
 """
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -136,12 +136,16 @@ def _unknown_lines(log: Log, name: str) -> Text:
     return fast_text.beside([_stamps(table), f": {name} {{payload : ", payloads, "}\n"], len(table))
 
 
-def csv_columns(log: Log, types: Sequence[str]) -> tuple[str, ...]:
-    """Return the columns of CSV lines for these types, MESSAGE.field."""
+def csv_columns(parts: Iterable[Log], types: Sequence[str]) -> tuple[str, ...]:
+    """Return the columns of CSV lines for the messages of a log's parts, MESSAGE.field."""
     if not types:
         raise UnknownNameError("CSV needs its columns: name the messages with --types")
-    names = [name for name in log.counts if not name.startswith("UNKNOWN_")]
-    return tuple(f"{name}.{field}" for name in sorted(names) for field in log[name].names)
+    fields: dict[str, tuple[str, ...]] = {}
+    for part in parts:
+        for name in part.counts.keys() - fields.keys():
+            if not name.startswith("UNKNOWN_"):
+                fields[name] = tuple(part[name].names)
+    return tuple(f"{name}.{field}" for name in sorted(fields) for field in fields[name])
 
 
 def lines(log: Log, options: LineOptions) -> Iterator[bytes]:

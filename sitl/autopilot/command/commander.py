@@ -247,10 +247,11 @@ class Commander:
         cause, following = decision.cause, decision.next_action
         if cause is None:
             return
+        seconds = self.parameters.failsafe.hold_us / SECOND_US
         if not self.state.failsafe:
-            self.say(CRITICAL, "Failsafe activated")
+            held = "" if following is None else f": entering Hold for {seconds:.0f} seconds"
+            self.say(CRITICAL, "Failsafe activated" + held)
         if following is not None:
-            seconds = self.parameters.failsafe.hold_us / SECOND_US
             self.say(CRITICAL, f"{cause.value}: {FOLLOWING[following]} in {seconds:.0f} s")
         elif cause is not FailsafeCause.SETPOINTS:
             self.say(CRITICAL, cause.value)

@@ -95,7 +95,7 @@ class FailsafeDecision(NamedTuple):
     next_action: Action | None = None  # after the hold
 
 
-# COM_OBL_RC_ACT. Without sticks the first three brake and descend, as PX4 does in Position.
+# COM_OBL_RC_ACT. The first three are a pilot's, who has sticks: without, NAV_RCL_ACT goes.
 SETPOINT_LOSS_ACTIONS = (
     Action.POSITION,
     Action.ALTITUDE,
@@ -120,11 +120,13 @@ FENCE_ACTIONS = (None, None, Action.HOLD, Action.RETURN, Action.TERMINATE, Actio
 
 def setpoint_loss(inputs: FailsafeInputs) -> FailsafeTrigger | None:
     """Act when the setpoint stream has stopped in OFFBOARD."""
-    if inputs.health.offboard_available or not MODES[inputs.intended].needs.setpoints:
+    health, parameters = inputs.health, inputs.parameters
+    if health.offboard_available or not MODES[inputs.intended].needs.setpoints:
         return None
-    return FailsafeTrigger(
-        FailsafeCause.SETPOINTS, SETPOINT_LOSS_ACTIONS[inputs.parameters.setpoint_loss]
-    )
+    action = SETPOINT_LOSS_ACTIONS[parameters.setpoint_loss]
+    if action <= Action.STABILIZED and not health.sticks_available:
+        action = LINK_LOSS_ACTIONS.get(parameters.sticks_loss, Action.RETURN)
+    return FailsafeTrigger(FailsafeCause.SETPOINTS, action)
 
 
 def ground_station_loss(inputs: FailsafeInputs) -> FailsafeTrigger | None:
@@ -175,7 +177,13 @@ def geofence(inputs: FailsafeInputs) -> FailsafeTrigger | None:
     return (
         None
         if action is None
-        else FailsafeTrigger(FailsafeCause.FENCE, action, stays=True, yields=True)
+        else FailsafeTrigger(
+            FailsafeCause.FENCE,
+            action,
+            waits=action in (Action.RETURN, Action.LAND),
+            stays=True,
+            yields=True,
+        )
     )
 
 

@@ -23,15 +23,16 @@ Address = tuple[str, int]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkConfig:
-    """Where a link on the loopback interface listens and whom it greets."""
+    """Where a link listens and whom it greets; on the loopback interface, unless told."""
 
     name: str
     local_port: int  # 0: any free port
-    remote_port: int
+    remote_port: int  # 0: whoever speaks first
+    host: str = LOOPBACK  # the interface on which it listens
 
 
 class UdpLink(Link):
-    """A non-blocking UDP socket on the loopback interface."""
+    """A non-blocking UDP socket, on the loopback interface unless its configuration says more."""
 
     def __init__(
         self, config: LinkConfig, *, system: int, index: int = 0, guard: Guard | None = None
@@ -57,8 +58,9 @@ class UdpLink(Link):
         return self._socket.fileno()
 
     def describe(self) -> str:
-        """Name both ports."""
-        return f"{self.name} udp {self.local_port} to {self._remote[1]}"
+        """Name the ports."""
+        remote = self._remote[1]
+        return f"{self.name} udp {self.local_port}" + (f" to {remote}" if remote else "")
 
     @property
     def local_port(self) -> int:
@@ -95,12 +97,12 @@ class UdpLink(Link):
 
 
 def bind(config: LinkConfig) -> socket.socket:
-    """Open a non-blocking socket on the loopback interface; raises LinkError if it can't be."""
+    """Open a non-blocking socket; raises LinkError if it can't be."""
     udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     udp.settimeout(0.0)
     udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER_BYTES)
     try:
-        udp.bind((LOOPBACK, config.local_port))
+        udp.bind((config.host, config.local_port))
     except OSError as error:
         udp.close()
         if error.errno == errno.EADDRINUSE:

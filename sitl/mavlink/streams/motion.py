@@ -11,6 +11,9 @@ UNKNOWN_COVARIANCE = (math.nan,) * 21
 FULL_QUALITY = 100  # ODOMETRY.quality, percent
 
 
+FIRST_POSITION_US = 700_000  # a running PX4 v1.17.0 sent the first one then, 1.5 s at the latest
+
+
 def attitude(view: View) -> Message:
     """ATTITUDE."""
     return mavlink.MAVLink_attitude_message(view.time_ms, *view.euler_rad, *view.estimate.rates_frd)
@@ -25,9 +28,9 @@ def attitude_quaternion(view: View) -> Message:
 
 
 def local_position_ned(view: View) -> Message | None:
-    """LOCAL_POSITION_NED, once the position is known."""
+    """LOCAL_POSITION_NED, from soon after the boot: it does not say that there is a position."""
     estimate = view.estimate
-    if not estimate.position_valid:
+    if view.time_us < FIRST_POSITION_US:
         return None
     return mavlink.MAVLink_local_position_ned_message(
         view.time_ms, *estimate.position_ned, *estimate.velocity_ned

@@ -9,7 +9,8 @@ from typing import NoReturn, TypeVar
 from sitl.errors import UsageError
 from sitl.frames import HOME
 from sitl.process.options import values
-from sitl.process.options.px4_options import Px4Options, add_px4, read_px4
+from sitl.process.options.external_options import ExternalOptions, read_external
+from sitl.process.options.px4_options import EXTERNAL, Px4Options, add_px4, read_px4
 from sitl.process.options.values import Address
 from sitl.records.conditions import Conditions, read_conditions
 from sitl.records.course import Direction
@@ -21,7 +22,7 @@ API_PORTS = (14580, 14540)  # both grow with the instance
 API_REMOTE_LAST = 14549  # PX4 stops there
 CAMERA_PORT = 8090
 PARAMETER_PREFIX = "PX4_PARAM_"
-READY_S = 8.5  # 8 to 9 s were seen of PX4; in lockstep they would only be computed
+READY_S = 4.0  # 3.6 to 4.8 s were seen of PX4 v1.17.0; in lockstep they would only be computed
 
 T = TypeVar("T")
 
@@ -43,6 +44,7 @@ class Options:
     conditions: Conditions
     instance: int
     home: Vector3
+    has_home: bool  # it was asked for
     log: Path | None
     signing_key: Path | None
     files: Path | None
@@ -55,7 +57,8 @@ class Options:
     video: Address | None
     verbosity: int  # -1 quiet, 0, 1 verbose
     parameters: Mapping[str, str]  # PX4_PARAM_<NAME>
-    px4: Px4Options | None  # None: the emulated autopilot flies
+    px4: Px4Options | None  # None: another flies
+    external: ExternalOptions | None
     prints_px4_environment: bool
 
     @property
@@ -80,6 +83,8 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
     """
     given = _parser().parse_args(argv)
     instance = given.instance
+    conditions = read_conditions(given.conditions, given.condition)
+    home = given.home or _home_from(environment)
     return Options(
         seed=given.seed,
         track_seed=given.track_seed,
@@ -93,9 +98,10 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
         ready_after_s=_first(
             given.ready_after, None, values.MIN_READY_S if given.lockstep else READY_S
         ),
-        conditions=read_conditions(given.conditions, given.condition),
+        conditions=conditions,
         instance=instance,
-        home=_first(given.home, _home_from(environment), HOME),
+        home=home or HOME,
+        has_home=home is not None,
         log=given.log,
         signing_key=given.signing_key,
         files=given.files,
@@ -108,12 +114,9 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
         camera_port=_first(given.camera_port, None, CAMERA_PORT + instance),
         video=given.video,
         verbosity=given.verbose - given.quiet,
-        parameters={
-            name.removeprefix(PARAMETER_PREFIX): value
-            for name, value in environment.items()
-            if name.startswith(PARAMETER_PREFIX)
-        },
+        parameters=_parameters_from(environment),
         px4=read_px4(given),
+        external=read_external(given, conditions) if given.autopilot == EXTERNAL else None,
         prints_px4_environment=given.px4_environment,
     )
 
@@ -199,7 +202,7 @@ def _add_time(parser: argparse.ArgumentParser) -> None:
         "--ready-after",
         type=values.ready,
         metavar="S",
-        help="vehicle time until it can be armed (default 8.5, as PX4; in lockstep 1)",
+        help="vehicle time until it can be armed (default 4, as PX4; in lockstep 1)",
     )
 
 
@@ -241,6 +244,14 @@ def _first(given: T | None, inherited: T | None, default: T) -> T:
     if given is not None:
         return given
     return default if inherited is None else inherited
+
+
+def _parameters_from(environment: Mapping[str, str]) -> dict[str, str]:
+    return {
+        name.removeprefix(PARAMETER_PREFIX): value
+        for name, value in environment.items()
+        if name.startswith(PARAMETER_PREFIX)
+    }
 
 
 def _speed_from(environment: Mapping[str, str]) -> float | None:

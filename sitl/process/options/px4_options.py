@@ -1,15 +1,17 @@
-"""The options of a real PX4, and which of the others are the emulated autopilot's alone."""
+"""Who flies: the options of a real PX4, and which of the others are the emulated one's alone."""
 
 import argparse
 from dataclasses import dataclass
 
 from sitl.errors import UsageError
 from sitl.process.options import values
+from sitl.process.options.external_options import EXAMPLE, connection
 from sitl.process.options.values import LOOPBACK, Address
 
 HIL_PORT = 4560  # PX4's simulator interface; grows with the instance
 PX4 = "px4"
 EMULATED = "emulated"
+EXTERNAL = "external"
 EMULATED_ALONE = (  # options as given, and what PX4 does instead
     ("gcs_link", "--gcs-link", "PX4 has its own link to ground stations"),
     ("udp", "--udp", "PX4 opens its own links: `mavlink start` in its shell"),
@@ -32,13 +34,21 @@ class Px4Options:
 
 def add_px4(parser: argparse.ArgumentParser) -> None:
     """Add what chooses and meets a real PX4."""
-    group = parser.add_argument_group("who flies", "a real PX4: see docs/real-px4.md")
+    group = parser.add_argument_group("who flies", "a real PX4, or another: docs/real-px4.md")
     group.add_argument(
         "--autopilot",
-        choices=(EMULATED, PX4),
+        choices=(EMULATED, PX4, EXTERNAL),
         default=EMULATED,
-        help="px4: be the simulator of a PX4 that connects here; its companion's link is "
-        "relayed where --api-link names the companion's ports",
+        help="px4: be the simulator of a PX4 that connects here; external: only look, from where "
+        "a vehicle tells that it is. Its companion's link is relayed where --api-link names the "
+        "companion's ports",
+    )
+    group.add_argument(
+        "--connect",
+        type=connection,
+        metavar="LINK",
+        help=f"where an external vehicle tells its pose, as {EXAMPLE} (the default: PX4's SIH, "
+        "whose port grows with N) or udpout:HOST:PORT",
     )
     group.add_argument(
         "--hil-port",
@@ -54,13 +64,15 @@ def add_px4(parser: argparse.ArgumentParser) -> None:
 
 
 def read_px4(given: argparse.Namespace) -> Px4Options | None:
-    """Read them; None where the emulated autopilot flies.
+    """Read them; None where another flies.
 
     Raises:
         UsageError: an option belongs to the other autopilot, or lacks another; says which.
 
     """
-    if given.autopilot == EMULATED:
+    if given.autopilot != EXTERNAL and given.connect is not None:
+        raise UsageError("--connect: only with --autopilot external")
+    if given.autopilot != PX4:
         if given.hil_port is not None:
             raise UsageError("--hil-port: only with --autopilot px4")
         return None

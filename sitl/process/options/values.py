@@ -55,7 +55,7 @@ def speed(text: str) -> float:
 
 def ready(text: str) -> float:
     """Read after how many seconds a vehicle is ready."""
-    (seconds,) = numbers(text, 1, "8.5")
+    (seconds,) = numbers(text, 1, "4.0")
     if not MIN_READY_S <= seconds <= MAX_READY_S:
         raise argparse.ArgumentTypeError(
             f"must be {MIN_READY_S:g} to {MAX_READY_S:g}, got '{text}'"

@@ -20,8 +20,8 @@ from sitl.sensors.noise import normals
 
 ATTITUDE_VALID_US = 200_000  # assumption: tilt alignment of a still vehicle
 ALTITUDE_VALID_US = 600_000  # assumption: barometer
-POSITION_VALID_US = 4_000_000  # at most: a running PX4 had a home then
-SETTLED_S = 1.0  # when a vehicle may take off; a running PX4 said so after 8 to 9 s
+POSITION_VALID_US = 3_000_000  # at most: a running PX4 v1.17.0 had a home at 2.4 to 3.2 s
+SETTLED_S = 1.0  # when a vehicle may take off; a running PX4 v1.17.0 said so after 4 s
 NO_AID_US = 5_000_000  # PX4 EKF2_NOAID_TOUT: dead reckoning counts as valid for this long
 
 

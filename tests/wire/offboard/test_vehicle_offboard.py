@@ -19,7 +19,7 @@ pytestmark = pytest.mark.flight
 SPEED_FACTOR = 4.0
 SETPOINT_S = 0.025  # wall time: 10 Hz for the vehicle
 NAN = float("nan")
-HOLD, TAKEOFF, OFFBOARD, POSCTL, LAND = 0x03040000, 0x02040000, 0x00060000, 0x00030000, 0x06040000
+HOLD, TAKEOFF, OFFBOARD, RTL, LAND = 0x03040000, 0x02040000, 0x00060000, 0x05040000, 0x06040000
 ACCEPTED, TEMPORARILY_REJECTED = 0, 1
 IN_AIR = 2
 HOLDS_M, WIDER = (2.1, 2.9), 0.15
@@ -145,7 +145,7 @@ def test_a_flight_in_offboard_its_loss_and_its_return(pilot: Pilot) -> None:
     stopped_ms = pilot.time_ms
     failed_ms = pilot.text("Failsafe activated")
     assert 850 <= failed_ms - stopped_ms <= 1400  # 1.0 s after the last, at 10 Hz, one client's lag
-    pilot.beat(POSCTL, 209, 5)
+    pilot.beat(RTL, 157, 5)
     pilot.velocity_body = (0.0, 0.0, 0.0)
     pilot.beat(OFFBOARD, 145, 4)
 

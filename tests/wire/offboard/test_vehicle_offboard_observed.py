@@ -1,5 +1,8 @@
 """What a real PX4 was seen doing in OFFBOARD, line by line, from one running vehicle in the air.
 
+Without sticks v1.17.0 takes NAV_RCL_ACT where COM_OBL_RC_ACT is a pilot's mode; an older main, of
+which the bands are, went to Position all the same, and came down.
+
 The vehicle flies in lockstep, so the times are the vehicle's and the same on any host. Telemetry
 comes at 50 Hz and HEARTBEAT at 1 Hz: what is read off them may be that much late.
 """
@@ -31,7 +34,7 @@ from tests.wire.vehicle_process import Vehicle, is_from, is_text
 
 pytestmark = pytest.mark.flight
 NAN = math.nan
-OFFBOARD, POSCTL = 0x00060000, 0x00030000
+OFFBOARD = 0x00060000
 HOLD, RTL, LAND = 0x03040000, 0x05040000, 0x06040000
 CRITICAL = 5
 READ_S = 0.02  # between two ATTITUDEs
@@ -174,7 +177,7 @@ def test_gaps(pilot: LockstepPilot, gap_s: float, *, harmless: bool) -> None:
     assert speeds_along(heard)[0] == pytest.approx(1.0, abs=0.4)
     heard += pilot.fly(max(gap_s - 0.95, 0.0), SILENCE)
     heard += pilot.fly(2.0)
-    assert texts(heard) == ([] if harmless else ["Failsafe activated\t"])
+    assert texts(heard)[:1] == ([] if harmless else ["Failsafe activated\t"])
     beat = last(heard, "HEARTBEAT")
     assert (beat.custom_mode, beat.base_mode, beat.system_status) == (OFFBOARD, 145, ACTIVE)
 
@@ -188,7 +191,7 @@ class Loss(NamedTuple):
 
 
 LOSSES = {
-    "position": Loss(0, POSCTL, 209),
+    "position": Loss(0, RTL, 157),  # by NAV_RCL_ACT
     "return": Loss(3, RTL, 157),
     "land": Loss(4, LAND, 157),
     "hold": Loss(5, HOLD, 157),
@@ -220,17 +223,6 @@ def test_a_lost_stream_leads_where_the_parameter_says_and_back(
     assert texts(back) == []
     beat = last(back, "HEARTBEAT")
     assert (beat.custom_mode, beat.base_mode, beat.system_status) == (OFFBOARD, 145, ACTIVE)
-
-
-def test_without_sticks_position_mode_brakes_and_comes_down(pilot: LockstepPilot) -> None:
-    """PX4: 0.6 to 0.7 m/s; 8 m became 2.8 to 3.1 m in 9 s."""
-    choose(pilot, 0)
-    pilot.fly(2.0, FORWARD)
-    pilot.fly(3.0, SILENCE)
-    before = last(pilot.fly(0.2, SILENCE), "LOCAL_POSITION_NED")
-    after = last(pilot.fly(5.0, SILENCE), "LOCAL_POSITION_NED")
-    assert 0.6 * 0.85 <= (after.z - before.z) / 5.0 <= 0.7 * 1.15
-    assert math.hypot(after.vx, after.vy) < 0.4
 
 
 REFUSED = {(3, 0): "Position", (2, 0): "Altitude", (1, 0): "Manual", (4, 4): "Mission"}

@@ -145,7 +145,7 @@ def hazards() -> tuple[Row, ...]:
             "fence",
             leave_fence,
             Cause("PARAM_SET", is_parameter("GF_MAX_HOR_DIST")),
-            ((ACTIVATED, 0.0), (RETURNS, 0.0)),
+            then_returns(0.0),
             slack_s=0.2,  # PX4 looks five times a second
             mend=lambda vehicle: set_parameter(vehicle.gcs, "GF_MAX_HOR_DIST", 0.0),
         ),

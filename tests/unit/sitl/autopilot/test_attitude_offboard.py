@@ -80,7 +80,7 @@ def test_the_stream_is_lost_as_any_other(flying: Flight) -> None:
     stream(flying, 1.0, LEVEL, flying.airframe.hover_thrust)
     flying.run(1.1)
     assert flying.autopilot.status.failsafe
-    assert flying.autopilot.status.mode is Mode.POSCTL
+    assert flying.autopilot.status.mode is Mode.RTL
 
 
 def test_attitude_needs_no_position(flying: Flight) -> None:

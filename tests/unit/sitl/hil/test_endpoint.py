@@ -4,7 +4,7 @@ from typing import Any
 import pytest
 
 from sitl.hil.connection import Px4Connection
-from sitl.hil.endpoint import Px4Endpoint
+from sitl.hil.endpoint import ComponentsEndpoint
 from sitl.hil.relay import CompanionLink
 from sitl.mavlink.components.camera_component import CameraFacts
 from sitl.mavlink.links.link import Guard
@@ -29,7 +29,7 @@ class Bench:
         self.now_s = 0.0
         self.connection = connection
         link: CompanionLink = self.relay.link
-        self.endpoint = Px4Endpoint(
+        self.endpoint = ComponentsEndpoint(
             self.vehicle,
             connection,
             system=1,

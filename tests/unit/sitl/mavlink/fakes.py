@@ -180,7 +180,7 @@ class FakeVehicle:
     """Stands where it is put."""
 
     def __init__(self) -> None:
-        self.time_us = 0
+        self.time_us = 1_000_000
         self.is_silent = False
         self.signal_fault = FailureType.OK
         self.state = VehicleState(0, ZERO, ZERO, IDENTITY, ZERO, LEVEL_FORCE)

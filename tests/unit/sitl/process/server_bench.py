@@ -26,6 +26,7 @@ class FakeSimulation(FakeVehicle):
 
     def __init__(self) -> None:
         super().__init__()
+        self.time_us = 0
         self._images = Schedule(20)
         self._sequence = 0
         self.ticked: Callable[[], None] = lambda: None

@@ -37,7 +37,7 @@ REQUEST_FILE = Experiment(
 )
 
 
-def land(order: workers.Assignment, _scratch: str, _keep_log: bool) -> FlownTrial:  # noqa: FBT001
+def land(order: workers.Assignment, *_how: object) -> FlownTrial:
     """Fly at once; the first track's flight dies of itself, once."""
     trial, _ = order
     deaths = ("killed",) if trial.track_seed == 1000 else ()
@@ -60,11 +60,11 @@ def workers_die(monkeypatch: pytest.MonkeyPatch, *, track: int, count: int) -> N
     """Kill the worker that flies this track so often."""
     left = [count]
 
-    def flown(order: workers.Assignment, scratch: str, keep_log: bool) -> FlownTrial:  # noqa: FBT001
+    def flown(order: workers.Assignment, *_how: object) -> FlownTrial:
         if order[0].track_seed == track and left[0]:
             left[0] -= 1
             raise TerminatedWorkerError
-        return land(order, scratch, keep_log)
+        return land(order)
 
     monkeypatch.setattr(workers, "_fly_one", flown)
 

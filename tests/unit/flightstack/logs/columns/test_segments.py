@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
+from pyarrow import parquet
 from pymavlink.dialects.v20 import all as mavlink
 
 from flightstack.logs import LogFileError, read, read_bytes
@@ -131,6 +133,53 @@ def test_commands_read_large_logs_in_parts(
         for name in ("whole", "parts")
     ]  # fmt: skip
     assert counts[0] == counts[1]
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("texts",),
+        ("texts", "--json"),
+        ("params", "--json"),
+        ("dump",),
+        ("dump", "--json", "--types", "HEARTBEAT"),
+        ("dump", "--types", "ATTITUDE,HEARTBEAT", "--format", "csv"),
+        ("dump", "--from", "50", "--to", "90"),
+        ("dump", "--show-types"),
+        ("dump", "--types", "SYS_STATUS", "-o", "{}"),
+        ("export", "--format", "csv", "-o", "{}"),
+        ("export", "--format", "parquet", "-o", "{}"),
+        ("export", "-o", "{}.mcap"),
+    ],
+    ids=" ".join,
+)
+def test_a_large_log_is_told_as_if_it_were_read_whole(
+    path: Path,
+    command: tuple[str, ...],
+    monkeypatch: pytest.MonkeyPatch,
+    capfdbinary: pytest.CaptureFixture[bytes],
+) -> None:
+    said = {}
+    for how, size in (("whole", 1 << 30), ("parts", 1)):
+        monkeypatch.setattr(segments, "LARGE_BYTES", size)
+        monkeypatch.setattr(segments, "PART_PACKETS", ENOUGH)
+        output = path.parent / how
+        name, *options = (word.format(output) for word in command)
+        assert main([name, str(path), *options]) == 0
+        printed = capfdbinary.readouterr().out.replace(str(output).encode(), b"out")
+        written = sorted(path.parent.glob(f"{how}*")) + sorted(output.glob("*"))
+        said[how] = (printed, [content_of(file) for file in written if file.is_file()])
+    assert said["parts"] == said["whole"]
+
+
+def content_of(file: Path) -> object:
+    """Return what a file holds, whatever the row groups or chunks that it is kept in."""
+    if file.suffix == ".parquet":
+        return parquet.read_table(file)
+    if file.suffix == ".mcap":
+        with file.open("rb") as stream:
+            return [m for *_, m in make_reader(stream).iter_messages()]
+    return file.read_bytes()
 
 
 def test_what_is_no_log_is_refused(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ def log() -> Log:
 
 
 def test_csv_holds_every_value(log: Log, tmp_path: Path) -> None:
-    write_csv(log, tmp_path)
+    write_csv([log], tmp_path)
     with (tmp_path / "ATTITUDE.csv").open() as file:
         rows = list(csv.DictReader(file))
     table = log["ATTITUDE"]
@@ -41,7 +41,7 @@ def test_csv_holds_every_value(log: Log, tmp_path: Path) -> None:
 
 def test_parquet_holds_every_value_with_units(log: Log, tmp_path: Path) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
-    write_parquet(log, tmp_path)
+    write_parquet([log], tmp_path)
     table = parquet.read_table(tmp_path / "ATTITUDE.parquet")
     assert np.array_equal(table["yaw"].to_numpy(), log["ATTITUDE"]["yaw"])
     assert table.schema.field("yaw").metadata[b"unit"] == b"rad"
@@ -54,7 +54,7 @@ def test_parquet_holds_every_value_with_units(log: Log, tmp_path: Path) -> None:
 def test_mcap_holds_every_message_in_order(log: Log, tmp_path: Path) -> None:
     reader = pytest.importorskip("mcap.reader")
     path = tmp_path / "flight.mcap"
-    write_mcap(log, path)
+    write_mcap([log], path)
     with path.open("rb") as file:
         found = list(reader.make_reader(file).iter_messages(log_time_order=False))
     assert len(found) == len(log)

@@ -18,6 +18,7 @@ from flightstack.logs.flight.parameters import read_parameters
 from flightstack.logs.text.summary_text import page
 from scripts.make_logs import (
     ARDUPILOT,
+    ARMED,
     BOAT,
     GCS,
     GENERIC,
@@ -181,3 +182,15 @@ def test_high_latency_alone_tells_mode_position_and_battery(
     assert facts["position_from"] == "HIGH_LATENCY2"
     assert (facts["battery"]["start_percent"], facts["battery"]["end_percent"]) == (80, 51)
     assert "None" not in page(facts)
+
+
+def test_the_older_high_latency_tells_whether_it_has_landed() -> None:
+    def slow(n: int) -> Any:
+        values: list[Any] = [0] * len(mavlink.MAVLink_high_latency_message.fieldnames)
+        message = mavlink.MAVLink_high_latency_message(*values)
+        in_air = 5 <= n < 25
+        message.base_mode, message.landed_state = 1 | ARMED * in_air, 1 + in_air
+        return message
+
+    facts = facts_of(every(10.0, MadeSender(), slow, 300))
+    assert (facts["flights"], facts["flight_time_s"]) == (1, 200.0)

@@ -171,12 +171,11 @@ def test_an_empty_battery_brings_the_vehicle_down(
         (5, Action.LAND),
     ],
 )
-def test_leaving_the_fence_does_what_the_parameter_says_at_once(
-    number: int, action: Action | None
-) -> None:
+def test_leaving_the_fence_does_what_the_parameter_says(number: int, action: Action | None) -> None:
     trigger = geofence(inputs(fence_breached=True, fence=number))
     assert (trigger and trigger.action) == action
-    assert trigger is None or not trigger.waits
+    is_held_first = action in (Action.RETURN, Action.LAND)
+    assert trigger is None or trigger.waits == is_held_first
     assert geofence(inputs(fence=number)) is None
 
 
@@ -273,8 +272,8 @@ def test_the_gravest_action_is_taken() -> None:
 
 
 def test_of_equally_grave_actions_the_one_that_does_not_wait_is_taken() -> None:
-    both = inputs(Mode.HOLD, sticks_lost=True, sticks_loss=2, fence_breached=True, fence=3)
-    assert at_once(both) == FailsafeDecision(Mode.RTL, FailsafeCause.FENCE)
+    both = inputs(sticks_lost=True, sticks_loss=3, offboard_available=False, setpoint_loss=4)
+    assert at_once(both) == FailsafeDecision(Mode.LAND, FailsafeCause.SETPOINTS)
 
 
 @pytest.mark.parametrize("mode", [Mode.RTL, Mode.LAND])

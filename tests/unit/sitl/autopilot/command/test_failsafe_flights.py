@@ -45,7 +45,7 @@ def test_loss_of_the_ground_station_returns_after_its_delays(hovering: Flight) -
     assert hovering.autopilot.status.system_status == 5
     assert 5.0 - TICK_S <= seconds_until(hovering, Mode.RTL) <= 5.0 + TICK_S
     assert hovering.said[:2] == [
-        "2:Failsafe activated",
+        "2:Failsafe activated: entering Hold for 5 seconds",
         "2:No connection to the ground control station: Return in 5 s",
     ]
     hovering.autopilot.ground_station_heard()

@@ -21,7 +21,7 @@ def test_defaults_are_px4s() -> None:
 
 
 def test_the_vehicle_is_ready_as_late_as_px4_except_in_lockstep() -> None:
-    assert given().ready_after_s == 8.5  # 8 to 9 s were seen
+    assert given().ready_after_s == 4.0  # 3.6 to 4.8 s were seen
     assert given("--lockstep").ready_after_s == 1.0
     assert given("--lockstep", "--ready-after=3").ready_after_s == 3.0
     for wrong in ("0.9", "nan", "inf", "soon"):

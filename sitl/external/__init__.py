@@ -1,0 +1,1 @@
+"""A vehicle that another simulator moves: our camera and referee at the pose that it tells."""
