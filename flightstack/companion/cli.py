@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from flightstack.errors import FlightstackError
+from flightstack.printable import printable
 
 if TYPE_CHECKING:
     from flightstack.companion.flight import FlightPlan
@@ -45,6 +46,7 @@ def build_parser() -> argparse.ArgumentParser:
     where.add_argument("--udp", metavar="PORT", help="listen on this UDP port (default 14540)")
     where.add_argument("--connect", metavar="STRING", help="connection string, see below")
     add("--camera", metavar="URI", help="stream, device or file (default: what the vehicle names)")
+    add("--camera-host", metavar="HOST", help="where a named camera may be, beside the vehicle's")
     add("--model", default=DEFAULT_MODEL, help=f"which model flies (default {DEFAULT_MODEL})")
     add("--strategy", help="how it decides (default: the model's); yours as my_package:MyStrategy")
     add("--perception", metavar="NAME", help="your own instead of the model's")
@@ -76,7 +78,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return _fly(arguments)
     except FlightstackError as error:
-        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        print(f"{PROGRAM}: {printable(str(error))}", file=sys.stderr)
         return error.exit_code
     except KeyboardInterrupt:
         print(f"{PROGRAM}: interrupted", file=sys.stderr)
@@ -129,6 +131,7 @@ def _plan(arguments: argparse.Namespace) -> "FlightPlan":
         log=arguments.log or _default_log(),
         record_images=arguments.record_frames,
         camera=arguments.camera,
+        camera_host=arguments.camera_host,
         takeoff_altitude_m=arguments.takeoff_altitude,
         duration_s=arguments.duration,
         gate_timeout_s=arguments.gate_timeout,

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from flightstack.camera.address import check_address
 from flightstack.camera.recorder import ImageRecorder
 from flightstack.clock import VehicleClock
 from flightstack.companion.console import Console
@@ -23,7 +24,7 @@ from flightstack.companion.reporter import Reporter
 from flightstack.companion.signals import landing_first
 from flightstack.companion.summary import FlightSummary
 from flightstack.companion.vehicle_session import VehicleSession
-from flightstack.mavlink.endpoint import Endpoint
+from flightstack.mavlink.endpoint import Endpoint, Kind
 from flightstack.mavlink.link import Link
 from flightstack.mavlink.signing import Signing
 from flightstack.mavlink.tlog import TlogWriter
@@ -41,6 +42,7 @@ class FlightPlan:
     log: Path
     record_images: bool = False  # beside the log
     camera: str | None = None  # None: the one that the vehicle names
+    camera_host: str | None = None  # where that may be, beside the vehicle's own host
     takeoff_altitude_m: float = 3.0  # above home
     duration_s: float | None = None  # in OFFBOARD, vehicle time
     gate_timeout_s: float | None = None  # without passing a gate, vehicle time
@@ -74,10 +76,12 @@ def fly(
         stack.callback(pilot.close)
         transport.forget_backlog()
         uri = _find(vehicle, plan, console)
-        if vehicle.telemetry.armed:  # by whom? its pilot is heard before we say a word
-            listen(vehicle, PILOT_BEATS_S)
-        camera = wait_for_camera(vehicle, uri, min(plan.timeout_s, CAMERA_OPENS_S))
+        camera = wait_for_camera(
+            vehicle, uri, min(plan.timeout_s, CAMERA_OPENS_S), trusted=plan.camera is not None
+        )
         stack.callback(camera.close)
+        camera.announced_hz = vehicle.stream_hz if plan.camera is None else None
+        reporter.watch(camera)
         wait_for_image(vehicle, camera, plan.timeout_s, name=uri)
         gc.freeze()  # libraries and networks stay: no need to look through them again and again
         loop = FlightLoop(
@@ -120,9 +124,22 @@ def _find(vehicle: VehicleSession, plan: FlightPlan, console: Console) -> str:
     found = vehicle.link.vehicle
     if found is not None and found.signs and plan.signing_key is None:
         console.warning("the vehicle signs its messages and may heed only such: see --signing-key")
-    uri = plan.camera or find_camera(vehicle, plan.timeout_s)
+    if vehicle.telemetry.armed:  # by whom? its pilot is heard before we say a word
+        listen(vehicle, PILOT_BEATS_S)
+    uri = plan.camera
+    if uri is None:
+        uri = find_camera(vehicle, plan.timeout_s)
+        check_address(uri, _vehicle_host(vehicle, plan.endpoint), plan.camera_host)
     console.event(f"vehicle {vehicle.link.system_id} found; opening its camera {uri}")
     return uri
+
+
+def _vehicle_host(vehicle: VehicleSession, endpoint: Endpoint) -> str | None:
+    """Say where the vehicle's packets come from; None for a serial line."""
+    found = vehicle.link.vehicle
+    if found is not None and found.address is not None:
+        return found.address[0]
+    return endpoint.host if endpoint.kind is Kind.TCP else None
 
 
 def _run(loop: FlightLoop, vehicle: VehicleSession, plan: FlightPlan) -> FlightSummary:

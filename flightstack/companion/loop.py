@@ -8,11 +8,16 @@ which a vehicle in lockstep runs on. So a flight in lockstep does not depend on 
 either process ran.
 """
 
+import math
 from typing import Protocol
 
 from flightstack.camera.mailbox import Arrival
+from flightstack.camera.stamps import StampCheck
+from flightstack.camera.watch import ImageWatch
+from flightstack.clock import REBOOT_US
 from flightstack.companion.guards.one_pilot import OnePilot
 from flightstack.companion.guards.steering import Steering
+from flightstack.companion.latencies import Latencies
 from flightstack.companion.mission.hold import hold_for_camera
 from flightstack.companion.mission.machine import advance
 from flightstack.companion.mission.records import (
@@ -38,6 +43,9 @@ LINK_LOST_S = 3.0  # wall time
 LONG_S = 1e6  # stands for endless silence
 TICK_US = 50_000  # vehicle time: the pace without images
 REPEAT_S = 1.0  # wall time without an image, while vehicle time stands
+STALLED_US = 1_500_000  # vehicle time without an image
+RESTART_S = 1.0  # wall time without one, and between two attempts
+STALLED_S = 5.0  # wall time without one, whatever the vehicle's clock does
 IMAGES_LOST_S = 10.0  # wall time: a camera is lost even where no telemetry tells the time
 STEERED = (MissionPhase.ENTERING_OFFBOARD, MissionPhase.FLYING)
 
@@ -45,15 +53,16 @@ STEERED = (MissionPhase.ENTERING_OFFBOARD, MissionPhase.FLYING)
 class ImageQueue(Protocol):
     """Where images come from, ready for a selector."""
 
-    @property
-    def stamped(self) -> bool:
-        """Whether images carry the vehicle's own stamps."""
+    announced_hz: float | None  # how many a second it says that it gives
 
     def fileno(self) -> int:
         """Return what a selector waits on."""
 
     def take(self) -> Arrival | None:
         """Take the newest image, if it has not been taken."""
+
+    def restart(self) -> None:
+        """Have the source opened again; never waits."""
 
 
 class Recorder(Protocol):
@@ -81,7 +90,7 @@ class FlightLoop:
         self.stop = StopSwitch()
         self.holds: dict[Outcome, Hold] = {}  # of anybody but the camera, until taken back
         self.images = 0
-        self.latencies_s: list[float] = []
+        self.latencies_s = Latencies()
         self._vehicle = vehicle
         self._clock = vehicle.link.clock
         self._camera = camera
@@ -89,6 +98,10 @@ class FlightLoop:
         self._reporter = reporter
         self._recorder = recorder
         self._one_pilot = OnePilot()
+        self._stamps = StampCheck(self._clock)
+        self._images = ImageWatch(camera.announced_hz)
+        self._answered_us: int | None = None  # the newest image that was
+        self._restarted_s = self._clock.wall_s()
         self._image_us = self._clock.stamp_us
         self._image_s = self._clock.wall_s()
         self._steered_s = self._image_s
@@ -151,16 +164,27 @@ class FlightLoop:
             self._advance(now_us, restarted_us=before_us)
 
     def _answer(self, arrival: Arrival) -> None:
+        arrival = self._stamps.admit(arrival)
+        if self._stamps.complaint:
+            self._reporter.warn_once(
+                f"the camera's stamps are {self._stamps.complaint}: the time of arrival counts"
+            )
         image = arrival.image
-        if self._camera.stamped:
+        if arrival.stamped:
+            if self._is_old(image.stamp_us):
+                self._vehicle.repeat_setpoint()
+                return
             self._await_trigger(image.stamp_us)
             self._clock.observe(image.stamp_us)
+            self._answered_us = image.stamp_us
+        self._look(image)
         self._image_us, self._image_s = image.stamp_us, self._clock.wall_s()
         self.images += 1
         self._tick(image.stamp_us)
         if self.status.outcome is Outcome.OTHER_PILOT:
             return  # whose vehicle it is: not one setpoint more
-        flies = self.status.phase is MissionPhase.FLYING and self._steering.may_decide
+        sees = self._images.complaint is None and self._steering.may_decide
+        flies = self.status.phase is MissionPhase.FLYING and sees
         if flies:
             velocities = self._steering.decide(image, self._camera)
         else:
@@ -173,6 +197,20 @@ class FlightLoop:
             self.latencies_s.append(self._clock.wall_s() - arrival.received_s)
         if self._recorder is not None:  # last of all: nothing waits for it now
             self._recorder.record(image)
+
+    def _is_old(self, stamp_us: int) -> bool:
+        """Whether an image has been answered, or one after it: a new connection begins with it."""
+        newest_us = self._answered_us
+        return newest_us is not None and newest_us - REBOOT_US < stamp_us <= newest_us
+
+    def _look(self, image: Image) -> None:
+        """Hold, from the next tick on, for a camera whose images cannot be what it sees."""
+        velocity = self._vehicle.telemetry.velocity_ned
+        unknown = math.inf if self.status.phase is MissionPhase.FLYING else 0.0
+        speed_m_s = unknown if velocity is None else math.hypot(*velocity)
+        complaint = self._images.look(image, speed_m_s)
+        if complaint is not None:
+            self._reporter.warn_once(f"the camera {complaint.what}: the vehicle is held")
 
     def _await_trigger(self, stamp_us: int) -> None:
         """Wait until the vehicle's telemetry has come up to the image, where it announces them."""
@@ -189,6 +227,7 @@ class FlightLoop:
         self._vehicle.keep_up(self._ticked_us)
         self._repeat_setpoint()
         now_us = self._time_without_images_us()
+        self._restart_camera(now_us)
         self._ticked_us = min(self._ticked_us, now_us)
         waits = (
             hold_for_camera(self._image_us, now_us) is None or now_us - self._ticked_us < TICK_US
@@ -213,6 +252,15 @@ class FlightLoop:
             self._steered_s = now_s
             self._vehicle.repeat_setpoint()
 
+    def _restart_camera(self, now_us: int) -> None:
+        """Have a stream opened again that has stalled, by either clock; again after a while."""
+        now_s = self._clock.wall_s()
+        without_s = now_s - max(self._image_s, self._restarted_s)
+        stalls = now_us - self._image_us > STALLED_US and without_s > RESTART_S
+        if stalls or without_s > STALLED_S:
+            self._restarted_s = now_s
+            self._camera.restart()
+
     def _time_without_images_us(self) -> int:
         """Vehicle time as telemetry tells it, or the wall where that has stood still for long."""
         without_s = self._clock.wall_s() - self._image_s
@@ -233,10 +281,12 @@ class FlightLoop:
         self, now_us: int, *, vehicle_silent: bool = False, restarted_us: int | None = None
     ) -> None:
         telemetry, link = self._vehicle.telemetry, self._vehicle.link
+        complaint = self._images.complaint
         situation = Situation(
             vehicle=telemetry,
             image_us=self._image_us,
             holds=tuple(self.holds.values()),
+            camera_lies_us=None if complaint is None else complaint.since_us,
             stop_requested=self.stop.requested,
             vehicle_silent=vehicle_silent,
             vehicle_gone=link.closed,

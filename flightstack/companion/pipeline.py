@@ -104,8 +104,7 @@ def pipeline_loader(
             marker.mark(POLICY)
             ensemble = _policy(loaded, policy, seed)
             marker.mark(STRATEGY)
-            name = strategy or loaded.config.strategy
-            decides = _strategy(loaded, name, direction, seed)
+            decides = _strategy(loaded, strategy, direction, seed)
             return Pipeline(posterior, ensemble, decides, _limits(loaded), marker)
 
         return make
@@ -143,8 +142,10 @@ def _policy(model: Model, name: str | None, seed: int) -> Policy:
     return brought
 
 
-def _strategy(model: Model, name: str, direction: str, seed: int) -> Strategy:
-    if _is_brought(name):
+def _strategy(model: Model, name: str | None, direction: str, seed: int) -> Strategy:
+    if name is None:  # the model's own: a part of flightstack, and never code
+        name = model.config.strategy
+    elif _is_brought(name):
         brought: Strategy = extensions.make(
             extensions.STRATEGY, name, direction=direction, seed=seed
         )

@@ -14,6 +14,7 @@ from flightstack.mavlink.uncertainty import total_std_m_s
 from flightstack.px4_modes import spoken_name
 from flightstack.records import Decision
 
+MAX_WARNINGS = 100  # different ones: whatever is wrong has then been said
 WARNING_SEVERITY = 4  # MAV_SEVERITY_WARNING; a smaller number is more urgent
 
 
@@ -42,7 +43,7 @@ class Reporter:
 
     def warn_once(self, text: str) -> None:
         """Tell of something wrong, the first time only."""
-        if text not in self._warned:
+        if text not in self._warned and len(self._warned) < MAX_WARNINGS:
             self._warned.add(text)
             self._console.warning(text)
 

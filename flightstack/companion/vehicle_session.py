@@ -52,6 +52,11 @@ class VehicleSession:
         """Where the vehicle's camera says its stream is."""
         return self._receiver.stream_uri
 
+    @property
+    def stream_hz(self) -> float | None:
+        """How many images a second the vehicle's camera says it gives."""
+        return self._receiver.stream_hz
+
     def receive(self) -> None:
         """Take in all that has arrived."""
         messages = self.link.drain()

@@ -213,6 +213,7 @@ class Link:
                 source[0], decoded[0].autopilot, address, is_signed(packet)
             )
             self._vehicle_system = source[0]
+            self._transport.listen_only_to(address)
 
     def _observe_stamp(self, packet: bytes) -> None:
         begin = HEADER_V2 if packet[0] == MAGIC_V2 else HEADER_V1

@@ -1,5 +1,10 @@
-"""Keep the newest of what the vehicle, its camera and its referee say."""
+"""Keep the newest of what the vehicle, its camera and its referee say.
 
+Any field may hold anything: a number that stands for nothing is unknown, one that is not finite is
+not known, and what never ends is forgotten.
+"""
+
+import math
 from dataclasses import dataclass, field, replace
 from enum import Enum, IntEnum
 
@@ -11,6 +16,9 @@ from flightstack.mavlink_numbers import CAMERA_COMPONENT, REFEREE_COMPONENT
 
 Vector3 = tuple[float, float, float]
 NO_TOTAL = 65535  # MISSION_CURRENT.total of a vehicle that has no mission
+MAX_TEXT_CHARACTERS = 255 * 50  # as many chunks as chunk_seq can count
+MAX_UNFINISHED = 16  # texts whose end has not come
+MAX_TEXTS = 1000  # that nobody has asked for yet
 CHUNK_CHARACTERS = 50  # a STATUSTEXT shorter than this ends its text
 
 
@@ -22,6 +30,10 @@ class LandedState(IntEnum):
     IN_AIR = 2
     TAKING_OFF = 3
     LANDING = 4
+
+    @classmethod
+    def _missing_(cls, value: object) -> "LandedState":  # noqa: ARG003  (whatever it is)
+        return cls.UNKNOWN
 
 
 class CourseFailure(Enum):
@@ -92,6 +104,7 @@ class TelemetryReceiver:
     def __init__(self, clock: VehicleClock) -> None:
         self.latest = Telemetry()
         self.stream_uri: str | None = None
+        self.stream_hz: float | None = None  # as its camera announces it
         self._clock = clock
         self._texts: list[StatusText] = []
         self._chunks: dict[tuple[int, int], str] = {}
@@ -150,8 +163,8 @@ class TelemetryReceiver:
     def _local_position(self, message: Message) -> None:
         self.latest = replace(
             self.latest,
-            position_ned=(message.x, message.y, message.z),
-            velocity_ned=(message.vx, message.vy, message.vz),
+            position_ned=_known((message.x, message.y, message.z)),
+            velocity_ned=_known((message.vx, message.vy, message.vz)),
         )
 
     def _position_target(self, message: Message) -> None:
@@ -168,6 +181,8 @@ class TelemetryReceiver:
     def _video_stream_information(self, message: Message) -> None:
         if message.get_srcComponent() == CAMERA_COMPONENT:
             self.stream_uri = message.uri
+            rate_hz = message.framerate
+            self.stream_hz = rate_hz if math.isfinite(rate_hz) and rate_hz > 0.0 else None
 
     def _mission_current(self, message: Message) -> None:
         if message.total == NO_TOTAL:
@@ -175,7 +190,7 @@ class TelemetryReceiver:
         known = self.latest.course
         course = replace(
             known,
-            gates_passed=max(known.gates_passed, message.seq),
+            gates_passed=max(known.gates_passed, min(message.seq, message.total)),
             gates_total=message.total,
             finished=known.finished or message.mission_state == common.MISSION_STATE_COMPLETE,
             failed=known.failed or message.mission_state == common.MISSION_STATE_PAUSED,
@@ -183,18 +198,24 @@ class TelemetryReceiver:
         self.latest = replace(self.latest, course=course)
 
     def _mission_item_reached(self, message: Message) -> None:
-        passed = max(self.latest.course.gates_passed, message.seq + 1)
+        known = self.latest.course
+        most = message.seq + 1 if known.gates_total is None else known.gates_total
+        passed = max(known.gates_passed, min(message.seq + 1, most))
         self.latest = replace(self.latest, course=replace(self.latest.course, gates_passed=passed))
 
     def _statustext(self, message: Message) -> None:
         key = (message.get_srcComponent(), message.id)
         begun = self._chunks.pop(key, "") if message.id and message.chunk_seq else ""
         text = begun + message.text
-        if message.id and len(message.text) == CHUNK_CHARACTERS:
+        is_whole = len(message.text) < CHUNK_CHARACTERS or len(text) >= MAX_TEXT_CHARACTERS
+        if message.id and not is_whole:
             self._chunks[key] = text
+            if len(self._chunks) > MAX_UNFINISHED:
+                self._chunks.pop(next(iter(self._chunks)))
             return
         text = text.rstrip("\t")
         self._texts.append(StatusText(severity=message.severity, text=text))
+        del self._texts[:-MAX_TEXTS]
         if key[0] == REFEREE_COMPONENT:
             self._judge(text)
 
@@ -203,3 +224,8 @@ class TelemetryReceiver:
             if text.startswith(beginning):
                 course = replace(self.latest.course, failed=True, failure=failure)
                 self.latest = replace(self.latest, course=course)
+
+
+def _known(vector: Vector3) -> Vector3 | None:
+    """Return a vector that is one."""
+    return vector if all(map(math.isfinite, vector)) else None

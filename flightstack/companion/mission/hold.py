@@ -5,6 +5,7 @@ from flightstack.companion.mission.records import Hold, Outcome, Situation
 IMAGE_LATE_US = 500_000
 CAMERA_LOST_US = 2_000_000
 PART_FAILED_US = 2_000_000
+CAMERA_LIES_US = 5_000_000  # more than the other: images that come may come right
 
 
 def hold_for_camera(image_us: int, now_us: int) -> Hold | None:
@@ -30,6 +31,11 @@ def hold_for_late_part(decided_us: int, now_us: int) -> Hold | None:
 
 def choose_hold(situation: Situation, now_us: int) -> Hold | None:
     """Return the hold that counts: of several, the one that lands first."""
-    camera = hold_for_camera(situation.image_us, now_us)
-    holds = situation.holds if camera is None else (camera, *situation.holds)
+    camera, lies_us = hold_for_camera(situation.image_us, now_us), situation.camera_lies_us
+    lying = (
+        None
+        if lies_us is None
+        else Hold(reason=Outcome.CAMERA_LOST, since_us=lies_us, lands_after_us=CAMERA_LIES_US)
+    )
+    holds = [hold for hold in (camera, lying, *situation.holds) if hold is not None]
     return min(holds, key=lambda hold: hold.lands_us, default=None)

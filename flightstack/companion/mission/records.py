@@ -74,6 +74,7 @@ class Situation:
     vehicle: Telemetry
     image_us: int  # stamp of the newest camera image
     holds: tuple[Hold, ...] = ()  # raised by anybody but the camera
+    camera_lies_us: int | None = None  # since when what it shows or says cannot be
     stop_requested: bool = False
     vehicle_silent: bool = False  # for so long that it is lost
     vehicle_gone: bool = False  # its end of the link has closed for good

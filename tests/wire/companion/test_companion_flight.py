@@ -218,8 +218,10 @@ def test_a_camera_that_never_starts_is_told(tmp_path: Path) -> None:
 def write_video(path: Path) -> None:
     partial = path.with_suffix(".part.avi")
     writer = cv2.VideoWriter(str(partial), cv2.VideoWriter.fourcc(*"MJPG"), 50.0, (64, 64))
-    for _ in range(500):
-        writer.write(np.full((64, 64, 3), (0, 0, 255), np.uint8))
+    for number in range(500):
+        image = np.full((64, 64, 3), (0, 0, 255), np.uint8)
+        image[number % 64] = 255
+        writer.write(image)
     writer.release()
     partial.replace(path)
 
