@@ -59,6 +59,9 @@ def build_parser() -> argparse.ArgumentParser:
     add("--no-landing", action="store_true", help="end in the air: a simulation ends, too")
     add("--speed-scale", type=_positive, default=1.0, metavar="X", help="factor on commands (1)")
     add("--timeout", type=_positive, default=60.0, metavar="S", help="to find the vehicle (60)")
+    add("--reach", type=_positive, default=300.0, metavar="S", help="to call a lost vehicle (300)")
+    add("--take-over", action="store_true", help="go on though armed, or steered by others")
+    add("--part-memory", type=_positive, default=2.0, metavar="GB", help="of your own parts (2)")
     add("--log", type=Path, metavar="PATH", help="tlog (default logs/companion-<UTC>.tlog)")
     add("--signing-key", type=Path, metavar="FILE", help="sign, and heed only what is signed")
     add("--record-frames", action="store_true", help="keep each frame as PNG, in LOG.frames")
@@ -86,15 +89,17 @@ def _fly(arguments: argparse.Namespace) -> int:
     # Here, not above: --help and a mistyped option must not wait for OpenCV and torch.
     from flightstack.companion.console import Console  # noqa: PLC0415
     from flightstack.companion.flight import fly  # noqa: PLC0415
-    from flightstack.companion.loop import Pilot  # noqa: PLC0415
+    from flightstack.companion.piloting.protocols import GuardedPilot  # noqa: PLC0415
     from flightstack.companion.signals import ending_at_once  # noqa: PLC0415
 
     plan = _plan(arguments)
 
-    def load_pilot() -> Pilot:
-        from flightstack.companion.pipeline import load_pipeline  # noqa: PLC0415
+    def load_pilot() -> GuardedPilot:
+        from flightstack.companion.piloting.in_process import start_in_process  # noqa: PLC0415
+        from flightstack.companion.piloting.in_worker import WorkerPilot  # noqa: PLC0415
+        from flightstack.companion.pipeline import brings_parts, pipeline_loader  # noqa: PLC0415
 
-        return load_pipeline(
+        load = pipeline_loader(
             arguments.model,
             arguments.strategy,
             arguments.seed,
@@ -102,6 +107,9 @@ def _fly(arguments: argparse.Namespace) -> int:
             perception=arguments.perception,
             policy=arguments.policy,
         )
+        if brings_parts(arguments.strategy, arguments.perception, arguments.policy):
+            return WorkerPilot.start(load, max_memory_bytes=arguments.part_memory * 1e9)
+        return start_in_process(load)
 
     console = Console(verbosity=int(arguments.verbose) - int(arguments.quiet))
     with ending_at_once():
@@ -128,6 +136,8 @@ def _plan(arguments: argparse.Namespace) -> "FlightPlan":
         duration_s=arguments.duration,
         gate_timeout_s=arguments.gate_timeout,
         lands=not arguments.no_landing,
+        takes_over=arguments.take_over,
+        reach_s=arguments.reach,
         speed_scale=arguments.speed_scale,
         timeout_s=arguments.timeout,
         signing_key=None if arguments.signing_key is None else load_key(arguments.signing_key),

@@ -82,6 +82,11 @@ def wait_for_image(
         raise LinkError(f"camera {name} gave no frame for {timeout_s:g} s")
 
 
+def listen(vehicle: VehicleSession, for_s: float) -> None:
+    """Take in what is said for a while."""
+    _receive_until(vehicle, lambda: False, for_s)
+
+
 def _receive_until(
     vehicle: VehicleSession, found: Callable[[], bool], timeout_s: float, *also: ImageQueue
 ) -> bool:

@@ -12,12 +12,14 @@ from flightstack.clock import VehicleClock
 from flightstack.companion.console import Console
 from flightstack.companion.discovery import (
     find_camera,
+    listen,
     wait_for_camera,
     wait_for_image,
     wait_for_vehicle,
 )
-from flightstack.companion.loop import FlightLoop, Pilot
+from flightstack.companion.loop import FlightLoop
 from flightstack.companion.mission.records import MissionStatus, Outcome
+from flightstack.companion.piloting.protocols import GuardedPilot
 from flightstack.companion.reporter import Reporter
 from flightstack.companion.signals import landing_first
 from flightstack.companion.summary import FlightSummary
@@ -28,6 +30,7 @@ from flightstack.mavlink.signing import Signing
 from flightstack.mavlink.tlog import TlogWriter
 from flightstack.mavlink.transport import open_transport
 
+PILOT_BEATS_S = 2.5  # wall time: whoever steers beats once a second
 CAMERA_OPENS_S = 5.0  # wall time: it may start when the vehicle does
 
 
@@ -44,12 +47,16 @@ class FlightPlan:
     duration_s: float | None = None  # in OFFBOARD, vehicle time
     gate_timeout_s: float | None = None  # without passing a gate, vehicle time
     lands: bool = True  # at the end
+    takes_over: bool = False  # a vehicle that was armed before, or that has a pilot
+    reach_s: float = 300.0  # a silent vehicle that we have lifted is called for so long
     speed_scale: float = 1.0
     timeout_s: float = 60.0  # for vehicle and camera to be found, wall time
     signing_key: bytes | None = field(default=None, repr=False)
 
 
-def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], console: Console) -> FlightSummary:
+def fly(
+    plan: FlightPlan, load_pilot: Callable[[], GuardedPilot], console: Console
+) -> FlightSummary:
     """Fly, and say what happened; raises a FlightstackError where no flight begins."""
     clock = VehicleClock()
     reporter = Reporter(console)
@@ -66,6 +73,7 @@ def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], console: Console) -> 
         stack.callback(link.close)
         vehicle = VehicleSession(link, plan.takeoff_altitude_m, publish_members=plan.record_images)
         pilot = load_pilot()
+        stack.callback(pilot.close)
         transport.forget_backlog()
         uri = _find(vehicle, plan, console)
         camera = wait_for_camera(
@@ -93,6 +101,8 @@ def _mission(plan: FlightPlan) -> MissionStatus:
         duration_us=None if plan.duration_s is None else round(plan.duration_s * 1e6),
         gate_timeout_us=None if plan.gate_timeout_s is None else round(plan.gate_timeout_s * 1e6),
         lands=plan.lands,
+        takes_over=plan.takes_over,
+        reach_us=round(plan.reach_s * 1e6),
     )
 
 
@@ -114,6 +124,8 @@ def _find(vehicle: VehicleSession, plan: FlightPlan, console: Console) -> str:
     found = vehicle.link.vehicle
     if found is not None and found.signs and plan.signing_key is None:
         console.warning("the vehicle signs its messages and may heed only such: see --signing-key")
+    if vehicle.telemetry.armed:  # by whom? its pilot is heard before we say a word
+        listen(vehicle, PILOT_BEATS_S)
     uri = plan.camera
     if uri is None:
         uri = find_camera(vehicle, plan.timeout_s)

@@ -6,7 +6,7 @@ from typing import Protocol
 from pymavlink.dialects.v20 import common
 
 from flightstack.companion.console import Console
-from flightstack.companion.mission.records import MissionPhase, MissionStatus
+from flightstack.companion.mission.records import MissionPhase, MissionStatus, Outcome
 from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.mavlink.commands import CommandRefusal, command_name
 from flightstack.mavlink.telemetry import Telemetry
@@ -77,8 +77,16 @@ class Reporter:
         if status.phase is not self._phase:
             self._phase = status.phase
             self._console.event(_phase_line(status, telemetry))
+            if status.phase is MissionPhase.DONE:
+                self._warn_of_armed(status, vehicle)
         if status.phase is MissionPhase.FLYING and self._console.wants_live:
             self._console.live(self._flight_line(status, vehicle))
+
+    def _warn_of_armed(self, status: MissionStatus, vehicle: VehicleSession) -> None:
+        """Tell when a vehicle that was to be landed was not seen disarmed."""
+        lost = status.outcome is Outcome.LINK_LOST and vehicle.telemetry.heartbeat_us is None
+        if status.lands and (lost or vehicle.telemetry.armed) and status.offboard_us is not None:
+            self.warn_once("the vehicle was not seen disarmed: it may still fly")
 
     def _flight_line(self, status: MissionStatus, vehicle: VehicleSession) -> str:
         telemetry = vehicle.telemetry

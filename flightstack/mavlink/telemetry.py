@@ -91,6 +91,9 @@ class Telemetry:
     home_altitude_amsl_m: float | None = None
     position_ned: Vector3 | None = None  # m
     velocity_ned: Vector3 | None = None  # m/s
+    target_ned: Vector3 | None = None  # m/s, the velocity that its controller follows
+    target_yaw_rate: float | None = None  # rad/s
+    target_us: int | None = None
     trigger_us: int | None = None  # stamp of the newest image that the camera has announced
     course: Course = field(default_factory=Course)
 
@@ -110,6 +113,7 @@ class TelemetryReceiver:
             common.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: self._extended_sys_state,
             common.MAVLINK_MSG_ID_HOME_POSITION: self._home_position,
             common.MAVLINK_MSG_ID_LOCAL_POSITION_NED: self._local_position,
+            common.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED: self._position_target,
             common.MAVLINK_MSG_ID_CAMERA_TRIGGER: self._camera_trigger,
             common.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION: self._video_stream_information,
             common.MAVLINK_MSG_ID_MISSION_CURRENT: self._mission_current,
@@ -123,12 +127,23 @@ class TelemetryReceiver:
         if handle is not None:
             handle(message)
 
+    def lose_sight(self) -> None:
+        """Forget the heartbeat of a vehicle that has fallen silent: the next one is news."""
+        if self.latest.heartbeat_us is not None:
+            self.latest = replace(self.latest, heartbeat_us=None)
+
+    def begin_anew(self) -> None:
+        """Forget all that a vehicle has said before it restarted, but for the course."""
+        self.latest = Telemetry(course=self.latest.course)
+
     def drain_texts(self) -> list[StatusText]:
         """Return the whole texts since the last call."""
         texts, self._texts = self._texts, []
         return texts
 
     def _heartbeat(self, message: Message) -> None:
+        if message.autopilot == common.MAV_AUTOPILOT_INVALID:  # no autopilot: it says nothing here
+            return
         self.latest = replace(
             self.latest,
             heartbeat_us=self._clock.stamp_us if self._clock.started else None,
@@ -150,6 +165,14 @@ class TelemetryReceiver:
             self.latest,
             position_ned=_known((message.x, message.y, message.z)),
             velocity_ned=_known((message.vx, message.vy, message.vz)),
+        )
+
+    def _position_target(self, message: Message) -> None:
+        self.latest = replace(
+            self.latest,
+            target_ned=(message.vx, message.vy, message.vz),
+            target_yaw_rate=message.yaw_rate,
+            target_us=self._clock.stamp_us,
         )
 
     def _camera_trigger(self, message: Message) -> None:

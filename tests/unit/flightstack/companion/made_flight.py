@@ -14,6 +14,7 @@ from flightstack.companion import loop as loop_module
 from flightstack.companion.console import Console
 from flightstack.companion.loop import FlightLoop
 from flightstack.companion.mission.records import MissionPhase, MissionStatus
+from flightstack.companion.piloting.in_process import InProcessPilot
 from flightstack.companion.reporter import Reporter
 from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.px4_modes import Px4Mode
@@ -89,7 +90,7 @@ class MadeFlight:
         self.loop = FlightLoop(
             self.session,
             self.camera,
-            self.pilot,
+            InProcessPilot(self.pilot),
             Reporter(Console(verbosity=-2, stream=self.said)),
             mission=MissionStatus(phase=MissionPhase.FLYING, offboard_us=0, entered_us=0),
         )
