@@ -20,6 +20,7 @@ class VehicleClock:
         self._first_us: int | None = None
         self._anchor: tuple[int, float] | None = None  # the newest stamp, and when it was seen
         self.stamp_us = 0  # the newest stamp
+        self.before_restart_us: int | None = None  # the newest stamp of the boot before this one
         self.elapsed_us = 0  # since the first stamp seen; never negative, even after a reboot
 
     def observe(self, stamp_us: int) -> None:
@@ -28,6 +29,8 @@ class VehicleClock:
             return
         if self._first_us is None:
             self._first_us = stamp_us
+        if self._anchor is not None and stamp_us < self._anchor[0]:
+            self.before_restart_us = self._anchor[0]
         self._anchor = (stamp_us, self.wall_s())
         self.stamp_us = stamp_us
         self.elapsed_us = max(0, stamp_us - self._first_us)

@@ -3,6 +3,10 @@
 A model's folder holds config.toml (what it is), weights.safetensors (encoder, gate-pose heads and
 policies, named by the hash that config.toml records), README.md (its card) and metrics.json.
 Folders are looked for where FLIGHTSTACK_MODELS says, else in the repository, else in the package.
+
+A folder is data, whoever made it. It names parts of flightstack and never code, which comes from
+the command line alone; and its weights are read once their shapes are known to be what config.toml
+says.
 """
 
 import hashlib
@@ -11,11 +15,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import torch
-from safetensors import SafetensorError
+from safetensors import SafetensorError, safe_open
 from safetensors.torch import load_file
 from torch import Tensor, nn
 
-from flightstack.errors import ModelError
+from flightstack.decision.strategies import make_strategy
+from flightstack.errors import ModelError, UsageError
 from flightstack.perception.config import PerceptionConfig
 from flightstack.perception.decoders import GatePoseDecoder
 from flightstack.perception.dronet import Dronet
@@ -28,6 +33,10 @@ DEFAULT_MODEL = "strong/m0"
 CONFIG_FILE, WEIGHTS_FILE = "config.toml", "weights.safetensors"
 FOLDERS_VARIABLE = "FLIGHTSTACK_MODELS"
 PACKAGE = Path(__file__).parent
+MAX_CONFIG_BYTES = 1 << 20
+MAX_SIZE = 1 << 16  # of any one dimension: a product of three still fits a tensor's own count
+MAX_ACTIONS = 1 << 20  # N x M x mixture
+DTYPES = {torch.float32: "F32", torch.int64: "I64"}  # as safetensors names them
 THREADS = 1  # the networks are too small to share among more
 
 
@@ -41,6 +50,23 @@ class ModelConfig:
     weights_sha256: str
     perception: PerceptionConfig
     policy: PolicyConfig
+
+    def __post_init__(self) -> None:
+        """Refuse sizes that nobody means, and parts that are not flightstack's own."""
+        perception, policy = self.perception, self.policy
+        sizes = (perception.latent_dims, policy.members, policy.mixture, *policy.hidden)
+        if max(sizes) > MAX_SIZE:
+            raise ValueError(f"a size of {max(sizes)}: {MAX_SIZE} is the largest")
+        actions = policy.members * perception.samples * policy.mixture
+        if actions > MAX_ACTIONS:
+            raise ValueError(f"{actions} actions an image: {MAX_ACTIONS} is the most")
+        try:
+            make_strategy(self.strategy, best_member=policy.best_member or (0, 0, 0, 0))
+        except UsageError as error:
+            raise ValueError(
+                f"strategy {self.strategy!r} is not flightstack's own: a model is data; "
+                "name code of yours by --strategy"
+            ) from error
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,12 +88,16 @@ def load(name: str) -> Model:
     torch.set_num_threads(THREADS)
     folder = find(name)
     config = read_config(folder / CONFIG_FILE)
+    weights = _read_weights(folder / WEIGHTS_FILE, config)
     model = build(config)
-    weights = _read_weights(folder / WEIGHTS_FILE, config.weights_sha256)
     for prefix, network in networks(model).items():
-        _fill(network, prefix, weights, folder)
-    if weights:
-        raise ModelError(f"{folder}: the weights hold unknown parts, such as {min(weights)!r}")
+        network.load_state_dict(
+            {
+                key.removeprefix(prefix): value
+                for key, value in weights.items()
+                if key.startswith(prefix)
+            }
+        )
     with torch.inference_mode():  # torch's first pass is slow
         mean, _ = model.encoder(torch.zeros(1, 3, 64, 64))
         model.policies(mean)
@@ -104,7 +134,9 @@ def folders() -> list[Path]:
 def read_config(path: Path) -> ModelConfig:
     """Read and check a config.toml; raises ModelError."""
     try:
-        table = read_toml(path.read_text(), where=str(path))
+        with path.open("rb") as file:
+            text = file.read(MAX_CONFIG_BYTES).decode()
+        table = read_toml(text, where=str(path))
         return record_from_table(ModelConfig, table, where=str(path))
     except (OSError, ValueError) as error:
         raise ModelError(f"{error}" if str(path) in str(error) else f"{path}: {error}") from error
@@ -140,24 +172,39 @@ def file_sha256(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _read_weights(path: Path, sha256: str) -> dict[str, Tensor]:
+def _read_weights(path: Path, config: ModelConfig) -> dict[str, Tensor]:
     try:
-        if file_sha256(path) != sha256:
+        if not path.is_file():
+            raise ModelError(f"{path} cannot be read: there is no such file")
+        if file_sha256(path) != config.weights_sha256:
             raise ModelError(f"{path} is damaged: its hash is not what {CONFIG_FILE} records")
+        _check_shapes(path, config)
         return load_file(path)
     except (OSError, SafetensorError) as error:
         raise ModelError(f"{path} cannot be read: {error}") from error
 
 
-def _fill(network: nn.Module, prefix: str, weights: dict[str, Tensor], folder: Path) -> None:
-    """Move the weights under `prefix` into a network; raises ModelError where they do not fit."""
-    own = {key: weights.pop(key) for key in list(weights) if key.startswith(prefix)}
-    expected = {prefix + key: value.shape for key, value in network.state_dict().items()}
-    for key in sorted(expected.keys() | own.keys()):
-        shape = tuple(own[key].shape) if key in own else "nothing"
-        wanted = tuple(expected[key]) if key in expected else "nothing"
-        if shape != wanted:
-            raise ModelError(
-                f"{folder}: the weights do not fit {CONFIG_FILE}: {key} is {shape}, not {wanted}"
-            )
-    network.load_state_dict({key.removeprefix(prefix): value for key, value in own.items()})
+def _check_shapes(path: Path, config: ModelConfig) -> None:
+    """Compare a file's table of contents with what a configuration needs; allocates neither."""
+    with safe_open(path, "pt") as file:
+        slices = {key: file.get_slice(key) for key in file.keys()}  # noqa: SIM118  (no dict)
+        found = {key: (each.get_dtype(), tuple(each.get_shape())) for key, each in slices.items()}
+    with torch.device("meta"):
+        needed = {
+            prefix + key: (DTYPES[value.dtype], tuple(value.shape))
+            for prefix, network in networks(build(config)).items()
+            for key, value in network.state_dict().items()
+        }
+    for key in sorted(needed.keys() & found.keys()):
+        if found[key] != needed[key]:
+            (kind, shape), (needed_kind, needed_shape) = found[key], needed[key]
+            has = (shape, needed_shape) if shape != needed_shape else (kind, needed_kind)
+            raise _misfit(path, f"{key} is {has[0]}, not {has[1]}")
+    for key in sorted(needed.keys() - found.keys()):
+        raise _misfit(path, f"{key} is missing")
+    for key in sorted(found.keys() - needed.keys()):
+        raise _misfit(path, f"they hold unknown parts, such as {key!r}")
+
+
+def _misfit(path: Path, what: str) -> ModelError:
+    return ModelError(f"{path.parent}: the weights do not fit {CONFIG_FILE}: {what}")

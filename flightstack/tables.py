@@ -2,6 +2,7 @@
 
 import json
 import math
+import sys
 import tomllib
 import types
 import typing
@@ -17,7 +18,7 @@ def read_toml(text: str, *, where: str) -> dict[str, Any]:
     """Parse TOML; raises ValueError, in one line that begins with `where`."""
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:  # a number or a nesting without end, too
         raise ValueError(f"{where}: not TOML: {error}") from error
 
 
@@ -75,7 +76,7 @@ def _convert(kind: Any, value: Any, *, where: str) -> Any:
         return value
     if origin is tuple and isinstance(value, list):
         return _tuple(arguments, value, where)
-    if kind is float and type(value) is int:
+    if kind is float and type(value) is int and abs(value) <= sys.float_info.max:
         return float(value)
     if type(value) is not kind or (kind is float and not math.isfinite(value)):
         name = getattr(kind, "__name__", str(kind))

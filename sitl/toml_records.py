@@ -24,7 +24,7 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
     """Read a text into tables; raises UsageError, which begins with `where`."""
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:  # a number or a nesting without end, too
         raise UsageError(f"{where}: not TOML: {error}") from None
 
 

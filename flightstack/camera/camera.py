@@ -5,22 +5,25 @@ import http.client
 import threading
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Protocol
 
-from flightstack.camera.capture import CaptureSource
+import cv2
+
+from flightstack.camera.capture import OPEN_TIMEOUT_S, CaptureSource
 from flightstack.camera.mailbox import Arrival, Mailbox
 from flightstack.camera.multipart import MultipartSource, NotMultipartError
 from flightstack.clock import VehicleClock
 from flightstack.errors import LinkError
+from flightstack.printable import printable
 
 REOPEN_S = 0.2  # wall time between attempts after a stream has broken
 JOIN_S = 2.0
+MAX_REASON = 200  # characters: a server's own words may be any number
 
 
 class CameraSource(Protocol):
     """Something that gives images, one call each."""
-
-    stamped: bool  # whether the images carry the vehicle's own stamps
 
     def read(self) -> Arrival:
         """Wait for the next image; raises OSError when there will be none."""
@@ -30,9 +33,14 @@ class CameraSource(Protocol):
 
 
 class Camera:
-    """The newest image of a source; reopens a network stream that breaks."""
+    """The newest image of a source, which is opened again when it breaks; a file simply ends.
+
+    Nothing that a source gives ends the thread that reads it: `failure` says what it last was.
+    """
 
     def __init__(self, source: CameraSource, reopen: Callable[[], CameraSource] | None) -> None:
+        self.failure: str | None = None
+        self.announced_hz: float | None = None  # its rate, by somebody's word
         self._source = source
         self._reopen = reopen
         self._mailbox = Mailbox()
@@ -41,11 +49,6 @@ class Camera:
         self._thread = threading.Thread(target=self._read, name="camera", daemon=True)
         self._thread.start()
 
-    @property
-    def stamped(self) -> bool:
-        """Whether images carry the vehicle's own stamps; known after the first."""
-        return self._source.stamped
-
     def fileno(self) -> int:
         """Return what a selector waits on: readable while there is an image."""
         return self._mailbox.fileno()
@@ -53,6 +56,12 @@ class Camera:
     def take(self) -> Arrival | None:
         """Take the newest image, if it has not been taken; never waits."""
         return self._mailbox.take()
+
+    def restart(self) -> None:
+        """Have the source opened again: it has stalled, and nothing else would end the read."""
+        self.failure = "the camera has stalled: it is opened again"
+        with self._swap:
+            self._source.close()
 
     def close(self) -> None:
         """Stop reading."""
@@ -66,14 +75,16 @@ class Camera:
         while not self._closing.is_set():
             try:
                 self._mailbox.put(self._source.read())
-            except (OSError, ValueError, http.client.HTTPException):  # ended, or no longer a stream
+            except Exception as error:  # a stranger's bytes in the hands of libraries
+                if not self._closing.is_set():
+                    self.failure = self.failure or f"the camera broke off: {_reason(error)}"
                 if not self._resume():
                     return
 
     def _resume(self) -> bool:
         self._source.close()
         while self._reopen is not None and not self._closing.wait(REOPEN_S):
-            with contextlib.suppress(OSError, http.client.HTTPException):
+            with contextlib.suppress(OSError, ValueError, http.client.HTTPException, cv2.error):
                 return self._replace(self._reopen())
         return False
 
@@ -85,14 +96,25 @@ class Camera:
             return not self._closing.is_set()
 
 
-def open_camera(uri: str, clock: VehicleClock) -> Camera:
-    """Open a camera; raises LinkError where nothing can be read from it."""
+def open_camera(
+    uri: str, clock: VehicleClock, *, trusted: bool = True, timeout_s: float = OPEN_TIMEOUT_S
+) -> Camera:
+    """Open a camera within `timeout_s`; raises LinkError where nothing can be read from it.
+
+    Of an address that is not the user's own word (`trusted`), streams alone are read: no files, no
+    playlists, nothing that could lead elsewhere.
+    """
     try:
         if uri.startswith(("http://", "https://")):
-            open_stream = partial(MultipartSource, uri, clock)
-            with contextlib.suppress(NotMultipartError):
+            open_stream = partial(MultipartSource, uri, clock, timeout_s=timeout_s)
+            with contextlib.suppress(*(NotMultipartError,) if trusted else ()):
                 return Camera(open_stream(), open_stream)
-        return Camera(CaptureSource(uri, clock), None)
-    except (OSError, ValueError, http.client.HTTPException) as error:
-        reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
-        raise LinkError(f"camera {uri} cannot be reached: {reason}") from error
+        open_capture = partial(CaptureSource, uri, clock, trusted=trusted, timeout_s=timeout_s)
+        return Camera(open_capture(), None if Path(uri).is_file() else open_capture)
+    except (OSError, ValueError, http.client.HTTPException, cv2.error) as error:
+        raise LinkError(f"camera {uri} cannot be reached: {_reason(error)}") from error
+
+
+def _reason(error: Exception) -> str:
+    reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+    return printable(reason[:MAX_REASON])

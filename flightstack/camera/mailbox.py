@@ -9,10 +9,12 @@ from flightstack.records import Image
 
 @dataclass(frozen=True, slots=True)
 class Arrival:
-    """An image, and when (wall time, monotonic seconds) it was received."""
+    """An image, when (wall time, monotonic seconds) it was received, and whose its stamp is."""
 
     image: Image
     received_s: float
+    stamped: bool = True  # by the camera in vehicle time; else by us, on arrival
+    odd_stamp: str = ""  # what it said instead of a time that a vehicle can have
 
 
 class Mailbox:

@@ -1,26 +1,28 @@
 """Read a camera's HTTP stream of multipart/x-mixed-replace parts.
 
 Each part is one coded image with a Content-Length. X-Timestamp (seconds of vehicle time) and
-X-Sequence say which image it is; a stream without them is stamped on arrival.
+X-Sequence say which image it is; a stream without them is stamped on arrival, and so is an image
+whose stamp no vehicle can have. Opening has one deadline, however slowly the server answers.
 """
 
 import contextlib
 import http.client
 import socket
-from urllib.parse import urlsplit
+import ssl
+import threading
+from collections.abc import Iterator
+from urllib.parse import SplitResult, urlsplit
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.camera.mailbox import Arrival
+from flightstack.camera.parts import decode_rgb, read_number, read_part, read_stamp_us
 from flightstack.clock import VehicleClock
 from flightstack.records import Image
 
-CONNECT_TIMEOUT_S = 5.0
+OPEN_TIMEOUT_S = 5.0  # to connect and to answer, however slowly the headers come
 MULTIPART = "multipart/x-mixed-replace"
-MAX_PART_BYTES = 64 << 20
-MAX_LINE_BYTES = 4096
 
 
 class NotMultipartError(OSError):
@@ -28,24 +30,26 @@ class NotMultipartError(OSError):
 
 
 class MultipartSource:
-    """One connection to a stream; `stamped` once its first image has carried a stamp."""
+    """One connection to a stream."""
 
-    def __init__(self, uri: str, clock: VehicleClock) -> None:
-        self.stamped = False
+    def __init__(self, uri: str, clock: VehicleClock, *, timeout_s: float = OPEN_TIMEOUT_S) -> None:
+        """Open a stream; raises OSError, ValueError or HTTPException where there is none."""
         self._clock = clock
         self._count = 0
         parts = urlsplit(uri)
-        kind = (
-            http.client.HTTPSConnection if parts.scheme == "https" else http.client.HTTPConnection
-        )
-        connection = kind(parts.hostname or "", parts.port, timeout=CONNECT_TIMEOUT_S)
-        path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
-        connection.request("GET", path)
-        self._socket: socket.socket = connection.sock
+        host, path = parts.hostname or "", parts.path or "/"
+        deadline_s = clock.wall_s() + timeout_s
+        self._socket = _connect(parts, timeout_s)
+        connection = http.client.HTTPConnection(host, parts.port)
+        connection.sock = self._socket
         try:
-            self._response = connection.getresponse()
-            self._check(uri)
-        except (OSError, http.client.HTTPException):
+            with _ended_after(deadline_s - clock.wall_s(), self._socket):
+                if isinstance(self._socket, ssl.SSLSocket):
+                    self._socket.do_handshake()
+                connection.request("GET", path + (f"?{parts.query}" if parts.query else ""))
+                self._response = connection.getresponse()
+                self._check(uri)
+        except (OSError, ValueError, http.client.HTTPException):
             self.close()
             raise
         self._socket.settimeout(None)  # a vehicle may stand still between two images
@@ -53,17 +57,15 @@ class MultipartSource:
     def read(self) -> Arrival:
         """Wait for the next image that decodes; raises OSError when the stream has ended."""
         while True:
-            headers = self._read_headers()
-            content = self._read_exactly(int(headers.get("content-length", "-1")))
+            headers, content = read_part(self._response)
             received_s = self._clock.wall_s()
             rgb = decode_rgb(content)
             if rgb is not None:
-                return Arrival(self._image(headers, rgb), received_s)
+                return self._arrival(headers, rgb, received_s)
 
     def close(self) -> None:
         """End the stream; a `read` that waits in another thread raises OSError."""
-        with contextlib.suppress(OSError):
-            self._socket.shutdown(socket.SHUT_RDWR)
+        _shut(self._socket)
         self._socket.close()
 
     def _check(self, uri: str) -> None:
@@ -74,40 +76,55 @@ class MultipartSource:
             raise OSError(0, f"{uri} answers {self._response.status} {self._response.reason}")
         raise NotMultipartError(0, f"{uri} is no {MULTIPART} stream but {content_type!r}")
 
-    def _image(self, headers: dict[str, str], rgb: NDArray[np.uint8]) -> Image:
+    def _arrival(
+        self, headers: dict[str, str], rgb: NDArray[np.uint8], received_s: float
+    ) -> Arrival:
         self._count += 1
-        stamp = headers.get("x-timestamp")
-        self.stamped = stamp is not None
-        return Image(
-            stamp_us=self._clock.now_us() if stamp is None else round(float(stamp) * 1e6),
-            sequence=int(headers.get("x-sequence", self._count)),
+        told = headers.get("x-timestamp")
+        stamp_us = None if told is None else read_stamp_us(told)
+        image = Image(
+            stamp_us=self._clock.now_us() if stamp_us is None else stamp_us,
+            sequence=read_number(headers.get("x-sequence", ""), self._count),
             rgb=rgb,
         )
-
-    def _read_headers(self) -> dict[str, str]:
-        headers: dict[str, str] = {}
-        while True:
-            line = self._response.readline(MAX_LINE_BYTES)
-            if not line:
-                raise OSError(0, "the stream has ended")
-            name, colon, value = line.decode("latin-1").partition(":")
-            if colon:
-                headers[name.strip().lower()] = value.strip()
-            elif headers and not line.strip():
-                return headers
-
-    def _read_exactly(self, length: int) -> bytes:
-        if not 0 <= length <= MAX_PART_BYTES:
-            raise OSError(0, f"a part of {length} bytes: Content-Length is missing or wrong")
-        content = self._response.read(length)
-        if len(content) < length:
-            raise OSError(0, "the stream has ended within a frame")
-        return content
+        odd = "" if told is None or stamp_us is not None else told
+        return Arrival(image, received_s, stamped=stamp_us is not None, odd_stamp=odd)
 
 
-def decode_rgb(content: bytes) -> NDArray[np.uint8] | None:
-    """Decode a PNG or JPEG into (H, W, 3) RGB; None where it is damaged."""
-    if not content:
-        return None
-    bgr = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
-    return None if bgr is None else np.asarray(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB), np.uint8)
+def _connect(parts: SplitResult, timeout_s: float) -> socket.socket:
+    """Connect to the host of an address; the handshake of https is still to come."""
+    secure = parts.scheme == "https"
+    port = parts.port or (http.client.HTTPS_PORT if secure else http.client.HTTP_PORT)
+    connected = socket.create_connection((parts.hostname or "", port), timeout_s)
+    connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    if not secure:
+        return connected
+    context = ssl.create_default_context()
+    return context.wrap_socket(
+        connected, server_hostname=parts.hostname, do_handshake_on_connect=False
+    )
+
+
+@contextlib.contextmanager
+def _ended_after(limit_s: float, opened: socket.socket) -> Iterator[None]:
+    """End a connection, whatever it is doing, unless the block is left in time."""
+    is_late = threading.Event()
+
+    def end() -> None:
+        is_late.set()
+        _shut(opened)
+
+    timer = threading.Timer(max(0.0, limit_s), end)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        if is_late.is_set():  # whatever the end of the connection looked like
+            raise OSError(0, "the server answers too slowly")
+
+
+def _shut(opened: socket.socket) -> None:
+    with contextlib.suppress(OSError):
+        opened.shutdown(socket.SHUT_RDWR)

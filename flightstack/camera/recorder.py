@@ -6,6 +6,7 @@ the image's stamp in vehicle time, 000012345678.png, and appear whole or not at 
 """
 
 import contextlib
+import os
 import threading
 from pathlib import Path
 from queue import SimpleQueue
@@ -17,6 +18,7 @@ from flightstack.files import write_whole
 from flightstack.records import Image
 
 QUEUED_BYTES = 32 << 20  # of pixels: 2,700 of the simulator's images, 5 of a full-HD camera's
+RESERVE_BYTES = 256 << 20  # of the disk: as much as one file of the log may have
 CLOSE_S = 10.0  # wall time for what is still queued
 FAST = (cv2.IMWRITE_PNG_COMPRESSION, 1)
 NAME = "[0-9]" * 12 + ".png"
@@ -71,6 +73,13 @@ class ImageRecorder:
         path = self.folder / f"{image.stamp_us:012d}.png"
         _, coded = cv2.imencode(".png", cv2.cvtColor(image.rgb, cv2.COLOR_RGB2BGR), FAST)
         try:
+            disk = os.statvfs(self.folder)
+            if disk.f_bavail * disk.f_frsize < RESERVE_BYTES:
+                left_mb = RESERVE_BYTES >> 20
+                self.failure = (
+                    f"the recording {self.folder} ends here: the last {left_mb} MB are the log's"
+                )
+                return False
             write_whole(path, coded.data)
         except OSError as error:
             self.failure = f"the recording {self.folder} ends here: {error.strerror}"

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from flightstack.errors import FlightstackError
+from flightstack.printable import printable
 
 if TYPE_CHECKING:
     from flightstack.companion.flight import FlightPlan
@@ -45,6 +46,7 @@ def build_parser() -> argparse.ArgumentParser:
     where.add_argument("--udp", metavar="PORT", help="listen on this UDP port (default 14540)")
     where.add_argument("--connect", metavar="STRING", help="connection string, see below")
     add("--camera", metavar="URI", help="stream, device or file (default: what the vehicle names)")
+    add("--camera-host", metavar="HOST", help="where a named camera may be, beside the vehicle's")
     add("--model", default=DEFAULT_MODEL, help=f"which model flies (default {DEFAULT_MODEL})")
     add("--strategy", help="how it decides (default: the model's); yours as my_package:MyStrategy")
     add("--perception", metavar="NAME", help="your own instead of the model's")
@@ -57,6 +59,9 @@ def build_parser() -> argparse.ArgumentParser:
     add("--no-landing", action="store_true", help="end in the air: a simulation ends, too")
     add("--speed-scale", type=_positive, default=1.0, metavar="X", help="factor on commands (1)")
     add("--timeout", type=_positive, default=60.0, metavar="S", help="to find the vehicle (60)")
+    add("--reach", type=_positive, default=300.0, metavar="S", help="to call a lost vehicle (300)")
+    add("--take-over", action="store_true", help="go on though armed, or steered by others")
+    add("--part-memory", type=_positive, default=2.0, metavar="GB", help="of your own parts (2)")
     add("--log", type=Path, metavar="PATH", help="tlog (default logs/companion-<UTC>.tlog)")
     add("--signing-key", type=Path, metavar="FILE", help="sign, and heed only what is signed")
     add("--record-frames", action="store_true", help="keep each frame as PNG, in LOG.frames")
@@ -73,7 +78,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return _fly(arguments)
     except FlightstackError as error:
-        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        print(f"{PROGRAM}: {printable(str(error))}", file=sys.stderr)
         return error.exit_code
     except KeyboardInterrupt:
         print(f"{PROGRAM}: interrupted", file=sys.stderr)
@@ -84,15 +89,17 @@ def _fly(arguments: argparse.Namespace) -> int:
     # Here, not above: --help and a mistyped option must not wait for OpenCV and torch.
     from flightstack.companion.console import Console  # noqa: PLC0415
     from flightstack.companion.flight import fly  # noqa: PLC0415
-    from flightstack.companion.loop import Pilot  # noqa: PLC0415
+    from flightstack.companion.piloting.protocols import GuardedPilot  # noqa: PLC0415
     from flightstack.companion.signals import ending_at_once  # noqa: PLC0415
 
     plan = _plan(arguments)
 
-    def load_pilot() -> Pilot:
-        from flightstack.companion.pipeline import load_pipeline  # noqa: PLC0415
+    def load_pilot() -> GuardedPilot:
+        from flightstack.companion.piloting.in_process import start_in_process  # noqa: PLC0415
+        from flightstack.companion.piloting.in_worker import WorkerPilot  # noqa: PLC0415
+        from flightstack.companion.pipeline import brings_parts, pipeline_loader  # noqa: PLC0415
 
-        return load_pipeline(
+        load = pipeline_loader(
             arguments.model,
             arguments.strategy,
             arguments.seed,
@@ -100,6 +107,9 @@ def _fly(arguments: argparse.Namespace) -> int:
             perception=arguments.perception,
             policy=arguments.policy,
         )
+        if brings_parts(arguments.strategy, arguments.perception, arguments.policy):
+            return WorkerPilot.start(load, max_memory_bytes=arguments.part_memory * 1e9)
+        return start_in_process(load)
 
     console = Console(verbosity=int(arguments.verbose) - int(arguments.quiet))
     with ending_at_once():
@@ -121,10 +131,13 @@ def _plan(arguments: argparse.Namespace) -> "FlightPlan":
         log=arguments.log or _default_log(),
         record_images=arguments.record_frames,
         camera=arguments.camera,
+        camera_host=arguments.camera_host,
         takeoff_altitude_m=arguments.takeoff_altitude,
         duration_s=arguments.duration,
         gate_timeout_s=arguments.gate_timeout,
         lands=not arguments.no_landing,
+        takes_over=arguments.take_over,
+        reach_s=arguments.reach,
         speed_scale=arguments.speed_scale,
         timeout_s=arguments.timeout,
         signing_key=None if arguments.signing_key is None else load_key(arguments.signing_key),

@@ -1,9 +1,14 @@
-"""Tell how the flight goes: lines for events, and one live line where there is a terminal."""
+"""Tell how the flight goes: lines for events, and one live line where there is a terminal.
+
+Much of it others have said. Whatever a terminal would obey is written out.
+"""
 
 import sys
 import time
 from collections.abc import Callable
 from typing import TextIO
+
+from flightstack.printable import printable
 
 LIVE_S = 0.2  # wall time between two versions of the live line
 ERASE_LINE = "\r\x1b[K"
@@ -48,8 +53,8 @@ class Console:
     def live(self, text: str) -> None:
         """Replace the live line."""
         self._live_s = self._wall_s()
-        self._live = text
-        self._stream.write(ERASE_LINE + text)
+        self._live = printable(text)
+        self._stream.write(ERASE_LINE + self._live)
         self._stream.flush()
 
     def close(self) -> None:
@@ -61,5 +66,5 @@ class Console:
 
     def _write_line(self, text: str) -> None:
         above = ERASE_LINE if self._live else ""
-        self._stream.write(f"{above}{text}\n{self._live}")
+        self._stream.write(f"{above}{printable(text)}\n{self._live}")
         self._stream.flush()

@@ -18,6 +18,8 @@ from flightstack.mavlink_numbers import CAMERA_COMPONENT
 
 REQUEST_PERIOD_S = 0.5
 IDLE_S = 0.1
+OPEN_S = 5.0  # for one attempt at a camera
+SHORTEST_S = 0.1
 
 
 def wait_for_vehicle(vehicle: VehicleSession, timeout_s: float, *, name: str) -> None:
@@ -49,13 +51,19 @@ def find_camera(vehicle: VehicleSession, timeout_s: float) -> str:
     )
 
 
-def wait_for_camera(vehicle: VehicleSession, uri: str, timeout_s: float) -> Camera:
-    """Open a camera, which may start later than we; raises LinkError after `timeout_s`."""
+def wait_for_camera(
+    vehicle: VehicleSession, uri: str, timeout_s: float, *, trusted: bool = True
+) -> Camera:
+    """Open a camera, which may start later than we; raises LinkError after `timeout_s`.
+
+    One that the user has not named is not `trusted`: see `open_camera`.
+    """
     clock = vehicle.link.clock
     deadline_s = clock.wall_s() + timeout_s
     while True:
         try:
-            return open_camera(uri, clock)
+            left_s = min(OPEN_S, max(SHORTEST_S, deadline_s - clock.wall_s()))
+            return open_camera(uri, clock, trusted=trusted, timeout_s=left_s)
         except LinkError:
             if clock.wall_s() >= deadline_s:
                 raise
@@ -72,6 +80,11 @@ def wait_for_image(
 
     if not _receive_until(vehicle, is_ready, timeout_s, camera):
         raise LinkError(f"camera {name} gave no frame for {timeout_s:g} s")
+
+
+def listen(vehicle: VehicleSession, for_s: float) -> None:
+    """Take in what is said for a while."""
+    _receive_until(vehicle, lambda: False, for_s)
 
 
 def _receive_until(

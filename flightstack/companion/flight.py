@@ -6,27 +6,31 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from flightstack.camera.address import check_address
 from flightstack.camera.recorder import ImageRecorder
 from flightstack.clock import VehicleClock
 from flightstack.companion.console import Console
 from flightstack.companion.discovery import (
     find_camera,
+    listen,
     wait_for_camera,
     wait_for_image,
     wait_for_vehicle,
 )
-from flightstack.companion.loop import FlightLoop, Pilot
+from flightstack.companion.loop import FlightLoop
 from flightstack.companion.mission.records import MissionStatus, Outcome
+from flightstack.companion.piloting.protocols import GuardedPilot
 from flightstack.companion.reporter import Reporter
 from flightstack.companion.signals import landing_first
 from flightstack.companion.summary import FlightSummary
 from flightstack.companion.vehicle_session import VehicleSession
-from flightstack.mavlink.endpoint import Endpoint
+from flightstack.mavlink.endpoint import Endpoint, Kind
 from flightstack.mavlink.link import Link
 from flightstack.mavlink.signing import Signing
 from flightstack.mavlink.tlog import TlogWriter
 from flightstack.mavlink.transport import open_transport
 
+PILOT_BEATS_S = 2.5  # wall time: whoever steers beats once a second
 CAMERA_OPENS_S = 5.0  # wall time: it may start when the vehicle does
 
 
@@ -38,16 +42,21 @@ class FlightPlan:
     log: Path
     record_images: bool = False  # beside the log
     camera: str | None = None  # None: the one that the vehicle names
+    camera_host: str | None = None  # where that may be, beside the vehicle's own host
     takeoff_altitude_m: float = 3.0  # above home
     duration_s: float | None = None  # in OFFBOARD, vehicle time
     gate_timeout_s: float | None = None  # without passing a gate, vehicle time
     lands: bool = True  # at the end
+    takes_over: bool = False  # a vehicle that was armed before, or that has a pilot
+    reach_s: float = 300.0  # a silent vehicle that we have lifted is called for so long
     speed_scale: float = 1.0
     timeout_s: float = 60.0  # for vehicle and camera to be found, wall time
     signing_key: bytes | None = field(default=None, repr=False)
 
 
-def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], console: Console) -> FlightSummary:
+def fly(
+    plan: FlightPlan, load_pilot: Callable[[], GuardedPilot], console: Console
+) -> FlightSummary:
     """Fly, and say what happened; raises a FlightstackError where no flight begins."""
     clock = VehicleClock()
     reporter = Reporter(console)
@@ -64,10 +73,15 @@ def fly(plan: FlightPlan, load_pilot: Callable[[], Pilot], console: Console) -> 
         stack.callback(link.close)
         vehicle = VehicleSession(link, plan.takeoff_altitude_m, publish_members=plan.record_images)
         pilot = load_pilot()
+        stack.callback(pilot.close)
         transport.forget_backlog()
         uri = _find(vehicle, plan, console)
-        camera = wait_for_camera(vehicle, uri, min(plan.timeout_s, CAMERA_OPENS_S))
+        camera = wait_for_camera(
+            vehicle, uri, min(plan.timeout_s, CAMERA_OPENS_S), trusted=plan.camera is not None
+        )
         stack.callback(camera.close)
+        camera.announced_hz = vehicle.stream_hz if plan.camera is None else None
+        reporter.watch(camera)
         wait_for_image(vehicle, camera, plan.timeout_s, name=uri)
         gc.freeze()  # libraries and networks stay: no need to look through them again and again
         loop = FlightLoop(
@@ -87,6 +101,8 @@ def _mission(plan: FlightPlan) -> MissionStatus:
         duration_us=None if plan.duration_s is None else round(plan.duration_s * 1e6),
         gate_timeout_us=None if plan.gate_timeout_s is None else round(plan.gate_timeout_s * 1e6),
         lands=plan.lands,
+        takes_over=plan.takes_over,
+        reach_us=round(plan.reach_s * 1e6),
     )
 
 
@@ -108,9 +124,22 @@ def _find(vehicle: VehicleSession, plan: FlightPlan, console: Console) -> str:
     found = vehicle.link.vehicle
     if found is not None and found.signs and plan.signing_key is None:
         console.warning("the vehicle signs its messages and may heed only such: see --signing-key")
-    uri = plan.camera or find_camera(vehicle, plan.timeout_s)
+    if vehicle.telemetry.armed:  # by whom? its pilot is heard before we say a word
+        listen(vehicle, PILOT_BEATS_S)
+    uri = plan.camera
+    if uri is None:
+        uri = find_camera(vehicle, plan.timeout_s)
+        check_address(uri, _vehicle_host(vehicle, plan.endpoint), plan.camera_host)
     console.event(f"vehicle {vehicle.link.system_id} found; opening its camera {uri}")
     return uri
+
+
+def _vehicle_host(vehicle: VehicleSession, endpoint: Endpoint) -> str | None:
+    """Say where the vehicle's packets come from; None for a serial line."""
+    found = vehicle.link.vehicle
+    if found is not None and found.address is not None:
+        return found.address[0]
+    return endpoint.host if endpoint.kind is Kind.TCP else None
 
 
 def _run(loop: FlightLoop, vehicle: VehicleSession, plan: FlightPlan) -> FlightSummary:

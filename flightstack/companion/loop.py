@@ -8,52 +8,61 @@ which a vehicle in lockstep runs on. So a flight in lockstep does not depend on 
 either process ran.
 """
 
-from dataclasses import replace
+import math
 from typing import Protocol
 
-import numpy as np
-
 from flightstack.camera.mailbox import Arrival
+from flightstack.camera.stamps import StampCheck
+from flightstack.camera.watch import ImageWatch
+from flightstack.clock import REBOOT_US
+from flightstack.companion.guards.one_pilot import OnePilot
+from flightstack.companion.guards.steering import Steering
+from flightstack.companion.latencies import Latencies
 from flightstack.companion.mission.hold import hold_for_camera
 from flightstack.companion.mission.machine import advance
-from flightstack.companion.mission.records import Hold, MissionPhase, MissionStatus, Situation
+from flightstack.companion.mission.records import (
+    Hold,
+    MissionPhase,
+    MissionStatus,
+    Outcome,
+    Situation,
+)
 from flightstack.companion.mission.table import OURS
+from flightstack.companion.piloting.protocols import GuardedPilot
 from flightstack.companion.reporter import Reporter, announcement
 from flightstack.companion.signals import StopSwitch
 from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.companion.waiting import wait_for_any
-from flightstack.mavlink.offboard import STILL, Velocities
-from flightstack.records import Decision, Image
+from flightstack.mavlink.offboard import STILL
+from flightstack.records import Image
 
 IDLE_S = 0.1  # wall time: how long the loop sleeps at most
 IMAGE_SOON_S = 0.03  # wall time: telemetry waits so long for the image that it belongs to
 TRIGGER_WAIT_S = 0.05  # wall time: for the announcement of an image that has come
 LINK_LOST_S = 3.0  # wall time
+LONG_S = 1e6  # stands for endless silence
 TICK_US = 50_000  # vehicle time: the pace without images
 REPEAT_S = 1.0  # wall time without an image, while vehicle time stands
+STALLED_US = 1_500_000  # vehicle time without an image
+RESTART_S = 1.0  # wall time without one, and between two attempts
+STALLED_S = 5.0  # wall time without one, whatever the vehicle's clock does
 IMAGES_LOST_S = 10.0  # wall time: a camera is lost even where no telemetry tells the time
 STEERED = (MissionPhase.ENTERING_OFFBOARD, MissionPhase.FLYING)
-
-
-class Pilot(Protocol):
-    """What looks at an image and says where to fly."""
-
-    def decide(self, image: Image) -> Decision:
-        """Decide on the velocities that answer this image."""
 
 
 class ImageQueue(Protocol):
     """Where images come from, ready for a selector."""
 
-    @property
-    def stamped(self) -> bool:
-        """Whether images carry the vehicle's own stamps."""
+    announced_hz: float | None  # how many a second it says that it gives
 
     def fileno(self) -> int:
         """Return what a selector waits on."""
 
     def take(self) -> Arrival | None:
         """Take the newest image, if it has not been taken."""
+
+    def restart(self) -> None:
+        """Have the source opened again; never waits."""
 
 
 class Recorder(Protocol):
@@ -70,7 +79,7 @@ class FlightLoop:
         self,
         vehicle: VehicleSession,
         camera: ImageQueue,
-        pilot: Pilot,
+        pilot: GuardedPilot,
         reporter: Reporter,
         *,
         mission: MissionStatus | None = None,
@@ -79,21 +88,26 @@ class FlightLoop:
     ) -> None:
         self.status = MissionStatus() if mission is None else mission
         self.stop = StopSwitch()
-        self.hold: Hold | None = None  # raised by anybody but the camera, until taken back
+        self.holds: dict[Outcome, Hold] = {}  # of anybody but the camera, until taken back
         self.images = 0
-        self.latencies_s: list[float] = []
+        self.latencies_s = Latencies()
         self._vehicle = vehicle
         self._clock = vehicle.link.clock
         self._camera = camera
-        self._pilot = pilot
+        self._steering = Steering(pilot, vehicle, reporter, self.holds, speed_scale=speed_scale)
         self._reporter = reporter
-        self._speed_scale = speed_scale
         self._recorder = recorder
+        self._one_pilot = OnePilot()
+        self._stamps = StampCheck(self._clock)
+        self._images = ImageWatch(camera.announced_hz)
+        self._answered_us: int | None = None  # the newest image that was
+        self._restarted_s = self._clock.wall_s()
         self._image_us = self._clock.stamp_us
         self._image_s = self._clock.wall_s()
         self._steered_s = self._image_s
         self._ticked_us = self._clock.stamp_us
         self._images_flow = False  # the last turn of the loop has answered one
+        self._unanswered: Arrival | None = None  # has come while the vehicle was silent
 
     def run(self) -> None:
         """Fly until the mission is done or the vehicle is lost; land on any other way out."""
@@ -108,10 +122,11 @@ class FlightLoop:
         self._sleep()
         self._vehicle.receive()
         if self._vehicle.link.silence_s > LINK_LOST_S:
-            self._advance(self._clock.stamp_us, vehicle_silent=True)
-            self._reporter.report(self.status, self._vehicle)
+            self._call()
             return
-        arrival = self._camera.take()
+        self._heed_restart()
+        arrival = self._camera.take() or self._unanswered
+        self._unanswered = None
         self._images_flow = arrival is not None
         if arrival is not None:
             self._answer(arrival)
@@ -128,23 +143,74 @@ class FlightLoop:
                 return
         wait_for_any(IDLE_S, self._vehicle.link, self._camera)
 
+    def _call(self) -> None:
+        """Keep calling a vehicle that is silent; the wall's time stands in for its own."""
+        self._images_flow = False
+        self._unanswered = self._camera.take() or self._unanswered
+        self._vehicle.lose_sight()
+        silence_s = min(self._vehicle.link.silence_s, LONG_S)
+        now_us = self._clock.stamp_us + round(silence_s * 1e6)
+        self._advance(now_us, vehicle_silent=True)
+        if self.status.phase is not MissionPhase.DONE:
+            self._vehicle.keep_up(now_us)
+        self._vehicle.link.tlog.flush_if_due()
+        self._reporter.report(self.status, self._vehicle)
+
+    def _heed_restart(self) -> None:
+        """Let the mission know that the vehicle's time has begun anew, and count from there."""
+        before_us = self._vehicle.take_restart()
+        if before_us is not None:
+            now_us = self._image_us = self._ticked_us = self._clock.stamp_us
+            self._advance(now_us, restarted_us=before_us)
+
     def _answer(self, arrival: Arrival) -> None:
+        arrival = self._stamps.admit(arrival)
+        if self._stamps.complaint:
+            self._reporter.warn_once(
+                f"the camera's stamps are {self._stamps.complaint}: the time of arrival counts"
+            )
         image = arrival.image
-        if self._camera.stamped:
+        if arrival.stamped:
+            if self._is_old(image.stamp_us):
+                self._vehicle.repeat_setpoint()
+                return
             self._await_trigger(image.stamp_us)
             self._clock.observe(image.stamp_us)
+            self._answered_us = image.stamp_us
+        self._look(image)
         self._image_us, self._image_s = image.stamp_us, self._clock.wall_s()
         self.images += 1
         self._tick(image.stamp_us)
-        flies = self.status.phase is MissionPhase.FLYING and self.status.hold is None
-        velocities = self._decide(image) if flies else STILL
+        if self.status.outcome is Outcome.OTHER_PILOT:
+            return  # whose vehicle it is: not one setpoint more
+        sees = self._images.complaint is None and self._steering.may_decide
+        flies = self.status.phase is MissionPhase.FLYING and sees
+        if flies:
+            velocities = self._steering.decide(image, self._camera)
+        else:
+            velocities = self._steering.stand_still(image)
         self._vehicle.keep_up(image.stamp_us)
         self._vehicle.steer(velocities, image.stamp_us)
+        self._one_pilot.note_setpoint(velocities)
         self._steered_s = self._clock.wall_s()
         if flies:
             self.latencies_s.append(self._clock.wall_s() - arrival.received_s)
         if self._recorder is not None:  # last of all: nothing waits for it now
             self._recorder.record(image)
+
+    def _is_old(self, stamp_us: int) -> bool:
+        """Whether an image has been answered, or one after it: a new connection begins with it."""
+        newest_us = self._answered_us
+        return newest_us is not None and newest_us - REBOOT_US < stamp_us <= newest_us
+
+    def _look(self, image: Image) -> None:
+        """Hold, from the next tick on, for a camera whose images cannot be what it sees."""
+        velocity = self._vehicle.telemetry.velocity_ned
+        unknown = math.inf if self.status.phase is MissionPhase.FLYING else 0.0
+        speed_m_s = unknown if velocity is None else math.hypot(*velocity)
+        complaint = self._images.look(image, speed_m_s)
+        if complaint is not None:
+            self._reporter.warn_once(f"the camera {complaint.what}: the vehicle is held")
 
     def _await_trigger(self, stamp_us: int) -> None:
         """Wait until the vehicle's telemetry has come up to the image, where it announces them."""
@@ -156,23 +222,17 @@ class FlightLoop:
             wait_for_any(left_s, self._vehicle.link)
             self._vehicle.receive()
 
-    def _decide(self, image: Image) -> Velocities:
-        decision = self._pilot.decide(image)
-        if not _is_finite(decision):
-            self._reporter.warn_once("a decision was not finite: the vehicle is held")
-            return STILL
-        decision = replace(decision, command=decision.command * self._speed_scale)
-        self._vehicle.explain(decision, image.stamp_us)
-        self._reporter.note_decision(decision)
-        forward, right, down, yaw_rate = decision.command.tolist()
-        return (forward, right, down, yaw_rate)
-
     def _watch(self) -> None:
         """Keep the mission going while no image comes."""
         self._vehicle.keep_up(self._ticked_us)
         self._repeat_setpoint()
         now_us = self._time_without_images_us()
-        if hold_for_camera(self._image_us, now_us) is None or now_us - self._ticked_us < TICK_US:
+        self._restart_camera(now_us)
+        self._ticked_us = min(self._ticked_us, now_us)
+        waits = (
+            hold_for_camera(self._image_us, now_us) is None or now_us - self._ticked_us < TICK_US
+        )
+        if waits and self.status.phase is not MissionPhase.REACHING:  # whose time may stand still
             return
         self._tick(now_us)
         self._vehicle.keep_up(now_us)
@@ -186,10 +246,20 @@ class FlightLoop:
         """
         now_s = self._clock.wall_s()
         stands = self._clock.stamp_us <= self._image_us
-        alive = self._vehicle.link.silence_s < REPEAT_S / 2
+        seen = self._vehicle.telemetry.heartbeat_us is not None  # since it was last given up
+        alive = seen and self._vehicle.link.silence_s < REPEAT_S / 2
         if stands and alive and now_s - self._steered_s >= REPEAT_S:
             self._steered_s = now_s
             self._vehicle.repeat_setpoint()
+
+    def _restart_camera(self, now_us: int) -> None:
+        """Have a stream opened again that has stalled, by either clock; again after a while."""
+        now_s = self._clock.wall_s()
+        without_s = now_s - max(self._image_s, self._restarted_s)
+        stalls = now_us - self._image_us > STALLED_US and without_s > RESTART_S
+        if stalls or without_s > STALLED_S:
+            self._restarted_s = now_s
+            self._camera.restart()
 
     def _time_without_images_us(self) -> int:
         """Vehicle time as telemetry tells it, or the wall where that has stood still for long."""
@@ -207,26 +277,22 @@ class FlightLoop:
         if self.status.phase is not phase:
             self._vehicle.announce(announcement(self.status))
 
-    def _advance(self, now_us: int, *, vehicle_silent: bool = False) -> None:
+    def _advance(
+        self, now_us: int, *, vehicle_silent: bool = False, restarted_us: int | None = None
+    ) -> None:
+        telemetry, link = self._vehicle.telemetry, self._vehicle.link
+        complaint = self._images.complaint
         situation = Situation(
-            vehicle=self._vehicle.telemetry,
+            vehicle=telemetry,
             image_us=self._image_us,
-            hold=self.hold,
+            holds=tuple(self.holds.values()),
+            camera_lies_us=None if complaint is None else complaint.since_us,
             stop_requested=self.stop.requested,
             vehicle_silent=vehicle_silent,
+            vehicle_gone=link.closed,
+            restarted_us=restarted_us,
+            other_pilot=self._one_pilot.has_other(self.status.phase, telemetry, link.others),
         )
         self.status, requests = advance(self.status, situation, now_us)
         for request in requests:
             self._vehicle.request(request, now_us)
-
-
-def _is_finite(decision: Decision) -> bool:
-    arrays = (
-        decision.command,
-        decision.aleatoric_std,
-        decision.epistemic_std,
-        decision.perceptual_std,
-        decision.score,
-        decision.member_mean,
-    )
-    return bool(np.isfinite(np.concatenate(arrays, axis=None)).all())

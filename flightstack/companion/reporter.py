@@ -6,7 +6,7 @@ from typing import Protocol
 from pymavlink.dialects.v20 import common
 
 from flightstack.companion.console import Console
-from flightstack.companion.mission.records import MissionPhase, MissionStatus
+from flightstack.companion.mission.records import MissionPhase, MissionStatus, Outcome
 from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.mavlink.commands import CommandRefusal, command_name
 from flightstack.mavlink.telemetry import Telemetry
@@ -14,6 +14,7 @@ from flightstack.mavlink.uncertainty import total_std_m_s
 from flightstack.px4_modes import spoken_name
 from flightstack.records import Decision
 
+MAX_WARNINGS = 100  # different ones: whatever is wrong has then been said
 WARNING_SEVERITY = 4  # MAV_SEVERITY_WARNING; a smaller number is more urgent
 
 
@@ -42,7 +43,7 @@ class Reporter:
 
     def warn_once(self, text: str) -> None:
         """Tell of something wrong, the first time only."""
-        if text not in self._warned:
+        if text not in self._warned and len(self._warned) < MAX_WARNINGS:
             self._warned.add(text)
             self._console.warning(text)
 
@@ -76,8 +77,16 @@ class Reporter:
         if status.phase is not self._phase:
             self._phase = status.phase
             self._console.event(_phase_line(status, telemetry))
+            if status.phase is MissionPhase.DONE:
+                self._warn_of_armed(status, vehicle)
         if status.phase is MissionPhase.FLYING and self._console.wants_live:
             self._console.live(self._flight_line(status, vehicle))
+
+    def _warn_of_armed(self, status: MissionStatus, vehicle: VehicleSession) -> None:
+        """Tell when a vehicle that was to be landed was not seen disarmed."""
+        lost = status.outcome is Outcome.LINK_LOST and vehicle.telemetry.heartbeat_us is None
+        if status.lands and (lost or vehicle.telemetry.armed) and status.offboard_us is not None:
+            self.warn_once("the vehicle was not seen disarmed: it may still fly")
 
     def _flight_line(self, status: MissionStatus, vehicle: VehicleSession) -> str:
         telemetry = vehicle.telemetry

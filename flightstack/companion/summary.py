@@ -12,6 +12,7 @@ EXIT_CODES = {
     Outcome.COMPLETED: 0,
     Outcome.CAMERA_LOST: 3,
     Outcome.LINK_LOST: 3,
+    Outcome.RESTARTED: 3,
     Outcome.INTERRUPTED: 130,
 }
 MISSION_FAILED = 1
@@ -25,7 +26,13 @@ SENTENCES = {
     Outcome.REFUSED: "not done: the vehicle did not do as asked",
     Outcome.INTERRUPTED: "interrupted",
     Outcome.CAMERA_LOST: "camera lost",
-    Outcome.LINK_LOST: "vehicle lost: it is silent",
+    Outcome.LINK_LOST: "vehicle lost: it was silent",
+    Outcome.RESTARTED: "the vehicle has restarted",
+    Outcome.FOUND_ARMED: "not flown: the vehicle was armed already, --take-over goes on with it",
+    Outcome.OTHER_PILOT: "let go: somebody else steers the vehicle, --take-over insists",
+    Outcome.PART_FAILED: "landed: a part of the pilot failed",
+    Outcome.OUT_OF_LIMITS: "landed: the vehicle was outside its limits",
+    Outcome.COMPANION_FAILED: "landed: an error of the companion's own",
 }
 
 

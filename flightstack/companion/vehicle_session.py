@@ -40,6 +40,7 @@ class VehicleSession:
         self._download = CourseDownload(link)
         self._setpoint: Message | None = None
         self._refusals: list[CommandRefusal] = []
+        self._restarts = 0  # of the vehicle, taken notice of
 
     @property
     def telemetry(self) -> Telemetry:
@@ -51,9 +52,17 @@ class VehicleSession:
         """Where the vehicle's camera says its stream is."""
         return self._receiver.stream_uri
 
+    @property
+    def stream_hz(self) -> float | None:
+        """How many images a second the vehicle's camera says it gives."""
+        return self._receiver.stream_hz
+
     def receive(self) -> None:
         """Take in all that has arrived."""
-        for message in self.link.drain():
+        messages = self.link.drain()
+        if self.link.restarts != self._restarts:
+            self._receiver.begin_anew()
+        for message in messages:
             number = message.get_msgId()
             if number in COURSE_ITEMS:
                 self._download.take(message)
@@ -61,6 +70,17 @@ class VehicleSession:
                 self._receiver.update(message)
             elif refusal := self._commands.acknowledge(message):
                 self._refusals.append(refusal)
+
+    def take_restart(self) -> int | None:
+        """Return the last time before the vehicle restarted, where it has since the last call."""
+        if self.link.restarts == self._restarts:
+            return None
+        self._restarts = self.link.restarts
+        return self.link.clock.before_restart_us
+
+    def lose_sight(self) -> None:
+        """Forget the heartbeat of a vehicle that has fallen silent: the next one is news."""
+        self._receiver.lose_sight()
 
     def drain_texts(self) -> list[StatusText]:
         """Return what the vehicle and its referee have said since the last call."""

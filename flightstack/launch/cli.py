@@ -11,7 +11,7 @@ from pathlib import Path
 from flightstack.errors import FlightstackError, UsageError
 from flightstack.launch.processes import Stream, programs, started
 from flightstack.launch.px4 import held_ports, prepared_px4
-from flightstack.launch.request import FlightRequest
+from flightstack.launch.request import GIVES_UP, FlightRequest
 from flightstack.launch.result import FlightResult, noise_m
 
 PROGRAM = "scripts/fly"
@@ -45,7 +45,7 @@ def _request(options: argparse.Namespace) -> FlightRequest:
         px4=_px4_of(options),
         px4_folder=options.px4_folder,
         vehicle_options=("-q",),
-        companion_options=("--json",) if options.json else (),
+        companion_options=(*GIVES_UP, *(("--json",) if options.json else ())),
     )
 
 

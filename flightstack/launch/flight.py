@@ -6,7 +6,7 @@ from pathlib import Path
 from flightstack.launch.cold import ColdStarter
 from flightstack.launch.order import Order, Starter
 from flightstack.launch.px4 import held_ports
-from flightstack.launch.request import FlightRequest
+from flightstack.launch.request import GIVES_UP, FlightRequest
 from flightstack.launch.result import FlightResult, read_result
 
 COLD = ColdStarter()
@@ -40,7 +40,7 @@ def fly(  # noqa: PLR0913  the options of scripts/fly, all by name
         speed_factor=0.0 if fast else speed_factor,
         px4=px4,
         vehicle_options=("-q",),
-        companion_options=("-q", "--json"),
+        companion_options=(*GIVES_UP, "-q", "--json"),
     )
     return fly_request(request)
 

@@ -7,6 +7,10 @@ from flightstack.launch.ports import Ports
 
 LAP_LIMIT_S = 90.0  # vehicle time: whoever needs longer has lost the course
 
+GIVES_UP = (
+    "--reach=2",
+)  # a simulated vehicle that falls silent has ended: nobody has to be reached
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlightRequest:

@@ -8,8 +8,8 @@ from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from flightstack.errors import FlightstackError
-from flightstack.logs.printable import printable
 from flightstack.logs.process import imported, keep_freed_memory, single_threaded_numpy
+from flightstack.printable import printable
 
 if TYPE_CHECKING:
     from pathlib import Path

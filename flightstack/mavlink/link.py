@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 from pymavlink.dialects.v20 import common
 
-from flightstack.clock import VehicleClock
+from flightstack.clock import REBOOT_US, VehicleClock
 from flightstack.mavlink.packets import identify, is_signed
 from flightstack.mavlink.signing import Signing, Verdict
 from flightstack.mavlink.tlog import TlogWriter
@@ -41,8 +41,14 @@ STAMPED = frozenset(
     }
 )
 STAMP_BYTES = 4
+HEARTBEAT_TYPE = 4  # where its type stands
 # Only the newest of these matters: they are decoded once a drain.
-COALESCED = frozenset({common.MAVLINK_MSG_ID_LOCAL_POSITION_NED})
+COALESCED = frozenset(
+    {
+        common.MAVLINK_MSG_ID_LOCAL_POSITION_NED,
+        common.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED,
+    }
+)
 NOBODY = -1
 NOTHING: frozenset[int] = frozenset()
 WANTED = {
@@ -53,6 +59,7 @@ WANTED = {
             common.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
             common.MAVLINK_MSG_ID_HOME_POSITION,
             common.MAVLINK_MSG_ID_LOCAL_POSITION_NED,
+            common.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED,
             common.MAVLINK_MSG_ID_STATUSTEXT,
         }
     ),
@@ -105,6 +112,9 @@ class Link:
         self._vehicle_system = NOBODY
         self._transport = transport
         self._heard_s = clock.wall_s()
+        self.restarts = 0  # of the vehicle, by its own stamps
+        self.others: dict[int, int] = {}  # MAV_TYPE of each further component of its system
+        self._boot_us = 0  # its newest stamp
         self._protocol = common.MAVLink(None, srcSystem=1, srcComponent=COMPANION_COMPONENT)
         self._newest: dict[int, bytes] = {}
 
@@ -116,7 +126,12 @@ class Link:
     @property
     def silence_s(self) -> float:
         """Wall time since the vehicle was last heard; endless where its end has closed."""
-        return float("inf") if self._transport.closed else self.clock.wall_s() - self._heard_s
+        return float("inf") if self.closed else self.clock.wall_s() - self._heard_s
+
+    @property
+    def closed(self) -> bool:
+        """Whether the vehicle's end has closed for good."""
+        return self._transport.closed
 
     def fileno(self) -> int:
         """Return what a selector waits on."""
@@ -178,6 +193,8 @@ class Link:
             if number in STAMPED:
                 self._observe_stamp(packet)
         self.tlog.append(self.clock.elapsed_us, packet)
+        if number == common.MAVLINK_MSG_ID_HEARTBEAT and component not in WANTED:
+            self._note_other(packet, component)
         if number in WANTED.get(component, NOTHING):
             if number in COALESCED:
                 self._newest[number] = packet
@@ -196,11 +213,22 @@ class Link:
                 source[0], decoded[0].autopilot, address, is_signed(packet)
             )
             self._vehicle_system = source[0]
+            self._transport.listen_only_to(address)
 
     def _observe_stamp(self, packet: bytes) -> None:
         begin = HEADER_V2 if packet[0] == MAGIC_V2 else HEADER_V1
         end = begin + min(packet[1], STAMP_BYTES)  # MAVLink 2 leaves trailing zeros out
-        self.clock.observe(int.from_bytes(packet[begin:end], "little") * 1000)
+        stamp_us = int.from_bytes(packet[begin:end], "little") * 1000
+        if self._boot_us - stamp_us > REBOOT_US:
+            self.restarts += 1
+        self._boot_us = stamp_us
+        self.clock.observe(stamp_us)
+
+    def _note_other(self, packet: bytes, component: int) -> None:
+        """Remember who else beats as part of the vehicle's system."""
+        begin = (HEADER_V2 if packet[0] == MAGIC_V2 else HEADER_V1) + HEARTBEAT_TYPE
+        if len(packet) > begin:
+            self.others[component] = packet[begin]
 
     def _decode(self, packet: bytes, messages: list[Message]) -> None:
         try:

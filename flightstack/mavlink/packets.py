@@ -5,6 +5,8 @@ taken by its header if another packet, or nothing, follows it. On any doubt the 
 the next byte, so that noise costs no more than the packets it hit.
 """
 
+import re
+
 from pymavlink.dialects.v20 import common
 from pymavlink.generator.mavcrc import mcrf4xx
 
@@ -21,17 +23,19 @@ from flightstack.mavlink_numbers import (
 
 OVERHEAD_V1 = HEADER_V1 + CHECKSUM_BYTES
 OVERHEAD_V2 = HEADER_V2 + CHECKSUM_BYTES
+BEGINNINGS = (MAGIC_V2, MAGIC_V1)
+BEGINNING = re.compile(rb"[\xfd\xfe]")
 CRC_EXTRA = {number: bytes([kind.crc_extra]) for number, kind in common.mavlink_map.items()}
 
 
-def split_packets(data: bytes) -> tuple[list[bytes], int]:
-    """Return the whole packets in `data`, and how many of its bytes are done with."""
+def split_packets(data: bytes, max_unsound: int | None = None) -> tuple[list[bytes], int]:
+    """Return the whole packets in `data`, and how many of its bytes are done with.
+
+    After `max_unsound` beginnings of packets that were none, what follows is noise, too.
+    """
     packets = []
-    at, end = 0, len(data)
-    while at < end:
-        if data[at] != MAGIC_V2 and data[at] != MAGIC_V1:
-            at += 1
-            continue
+    at, end, unsound = 0, len(data), 0
+    while (at := _next_beginning(data, at)) < end and unsound != max_unsound:
         length = _packet_length(data, at, end)
         if at + length > end:
             break  # not all here yet
@@ -41,7 +45,16 @@ def split_packets(data: bytes) -> tuple[list[bytes], int]:
             at += length
         else:
             at += 1
+            unsound += 1
     return packets, at
+
+
+def _next_beginning(data: bytes, at: int) -> int:
+    """Find the next byte that a packet may begin with; the end of the data if there is none."""
+    if at < len(data) and data[at] in BEGINNINGS:
+        return at
+    found = BEGINNING.search(data, at)
+    return len(data) if found is None else found.start()
 
 
 class PacketSplitter:

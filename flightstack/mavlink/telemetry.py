@@ -1,5 +1,10 @@
-"""Keep the newest of what the vehicle, its camera and its referee say."""
+"""Keep the newest of what the vehicle, its camera and its referee say.
 
+Any field may hold anything: a number that stands for nothing is unknown, one that is not finite is
+not known, and what never ends is forgotten.
+"""
+
+import math
 from dataclasses import dataclass, field, replace
 from enum import Enum, IntEnum
 
@@ -11,6 +16,9 @@ from flightstack.mavlink_numbers import CAMERA_COMPONENT, REFEREE_COMPONENT
 
 Vector3 = tuple[float, float, float]
 NO_TOTAL = 65535  # MISSION_CURRENT.total of a vehicle that has no mission
+MAX_TEXT_CHARACTERS = 255 * 50  # as many chunks as chunk_seq can count
+MAX_UNFINISHED = 16  # texts whose end has not come
+MAX_TEXTS = 1000  # that nobody has asked for yet
 CHUNK_CHARACTERS = 50  # a STATUSTEXT shorter than this ends its text
 
 
@@ -22,6 +30,10 @@ class LandedState(IntEnum):
     IN_AIR = 2
     TAKING_OFF = 3
     LANDING = 4
+
+    @classmethod
+    def _missing_(cls, value: object) -> "LandedState":  # noqa: ARG003  (whatever it is)
+        return cls.UNKNOWN
 
 
 class CourseFailure(Enum):
@@ -79,6 +91,9 @@ class Telemetry:
     home_altitude_amsl_m: float | None = None
     position_ned: Vector3 | None = None  # m
     velocity_ned: Vector3 | None = None  # m/s
+    target_ned: Vector3 | None = None  # m/s, the velocity that its controller follows
+    target_yaw_rate: float | None = None  # rad/s
+    target_us: int | None = None
     trigger_us: int | None = None  # stamp of the newest image that the camera has announced
     course: Course = field(default_factory=Course)
 
@@ -89,6 +104,7 @@ class TelemetryReceiver:
     def __init__(self, clock: VehicleClock) -> None:
         self.latest = Telemetry()
         self.stream_uri: str | None = None
+        self.stream_hz: float | None = None  # as its camera announces it
         self._clock = clock
         self._texts: list[StatusText] = []
         self._chunks: dict[tuple[int, int], str] = {}
@@ -97,6 +113,7 @@ class TelemetryReceiver:
             common.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: self._extended_sys_state,
             common.MAVLINK_MSG_ID_HOME_POSITION: self._home_position,
             common.MAVLINK_MSG_ID_LOCAL_POSITION_NED: self._local_position,
+            common.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED: self._position_target,
             common.MAVLINK_MSG_ID_CAMERA_TRIGGER: self._camera_trigger,
             common.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION: self._video_stream_information,
             common.MAVLINK_MSG_ID_MISSION_CURRENT: self._mission_current,
@@ -110,12 +127,23 @@ class TelemetryReceiver:
         if handle is not None:
             handle(message)
 
+    def lose_sight(self) -> None:
+        """Forget the heartbeat of a vehicle that has fallen silent: the next one is news."""
+        if self.latest.heartbeat_us is not None:
+            self.latest = replace(self.latest, heartbeat_us=None)
+
+    def begin_anew(self) -> None:
+        """Forget all that a vehicle has said before it restarted, but for the course."""
+        self.latest = Telemetry(course=self.latest.course)
+
     def drain_texts(self) -> list[StatusText]:
         """Return the whole texts since the last call."""
         texts, self._texts = self._texts, []
         return texts
 
     def _heartbeat(self, message: Message) -> None:
+        if message.autopilot == common.MAV_AUTOPILOT_INVALID:  # no autopilot: it says nothing here
+            return
         self.latest = replace(
             self.latest,
             heartbeat_us=self._clock.stamp_us if self._clock.started else None,
@@ -135,8 +163,16 @@ class TelemetryReceiver:
     def _local_position(self, message: Message) -> None:
         self.latest = replace(
             self.latest,
-            position_ned=(message.x, message.y, message.z),
-            velocity_ned=(message.vx, message.vy, message.vz),
+            position_ned=_known((message.x, message.y, message.z)),
+            velocity_ned=_known((message.vx, message.vy, message.vz)),
+        )
+
+    def _position_target(self, message: Message) -> None:
+        self.latest = replace(
+            self.latest,
+            target_ned=(message.vx, message.vy, message.vz),
+            target_yaw_rate=message.yaw_rate,
+            target_us=self._clock.stamp_us,
         )
 
     def _camera_trigger(self, message: Message) -> None:
@@ -145,6 +181,8 @@ class TelemetryReceiver:
     def _video_stream_information(self, message: Message) -> None:
         if message.get_srcComponent() == CAMERA_COMPONENT:
             self.stream_uri = message.uri
+            rate_hz = message.framerate
+            self.stream_hz = rate_hz if math.isfinite(rate_hz) and rate_hz > 0.0 else None
 
     def _mission_current(self, message: Message) -> None:
         if message.total == NO_TOTAL:
@@ -152,7 +190,7 @@ class TelemetryReceiver:
         known = self.latest.course
         course = replace(
             known,
-            gates_passed=max(known.gates_passed, message.seq),
+            gates_passed=max(known.gates_passed, min(message.seq, message.total)),
             gates_total=message.total,
             finished=known.finished or message.mission_state == common.MISSION_STATE_COMPLETE,
             failed=known.failed or message.mission_state == common.MISSION_STATE_PAUSED,
@@ -160,18 +198,24 @@ class TelemetryReceiver:
         self.latest = replace(self.latest, course=course)
 
     def _mission_item_reached(self, message: Message) -> None:
-        passed = max(self.latest.course.gates_passed, message.seq + 1)
+        known = self.latest.course
+        most = message.seq + 1 if known.gates_total is None else known.gates_total
+        passed = max(known.gates_passed, min(message.seq + 1, most))
         self.latest = replace(self.latest, course=replace(self.latest.course, gates_passed=passed))
 
     def _statustext(self, message: Message) -> None:
         key = (message.get_srcComponent(), message.id)
         begun = self._chunks.pop(key, "") if message.id and message.chunk_seq else ""
         text = begun + message.text
-        if message.id and len(message.text) == CHUNK_CHARACTERS:
+        is_whole = len(message.text) < CHUNK_CHARACTERS or len(text) >= MAX_TEXT_CHARACTERS
+        if message.id and not is_whole:
             self._chunks[key] = text
+            if len(self._chunks) > MAX_UNFINISHED:
+                self._chunks.pop(next(iter(self._chunks)))
             return
         text = text.rstrip("\t")
         self._texts.append(StatusText(severity=message.severity, text=text))
+        del self._texts[:-MAX_TEXTS]
         if key[0] == REFEREE_COMPONENT:
             self._judge(text)
 
@@ -180,3 +224,8 @@ class TelemetryReceiver:
             if text.startswith(beginning):
                 course = replace(self.latest.course, failed=True, failure=failure)
                 self.latest = replace(self.latest, course=course)
+
+
+def _known(vector: Vector3) -> Vector3 | None:
+    """Return a vector that is one."""
+    return vector if all(map(math.isfinite, vector)) else None

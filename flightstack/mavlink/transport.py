@@ -18,6 +18,8 @@ from flightstack.mavlink.packets import PacketSplitter, split_packets
 CONNECT_TIMEOUT_S = 5.0
 DATAGRAM_BYTES = 65535
 RECEIVE_BUFFER_BYTES = 1 << 20  # bridges the seconds in which a model is being loaded
+MAX_DATAGRAMS = 4096  # at once: whoever floods us does not keep us from what else there is to do
+MAX_UNSOUND = 64  # beginnings of packets that were none, in one datagram
 MAX_READS = 64  # at once, of a stream; a terminal gives 4 KiB a read
 UNSENT_BYTES = 4096  # five answers to an image: more would reach a slow peer too late to be of use
 
@@ -38,6 +40,9 @@ class Transport(Protocol):
 
     def forget_backlog(self) -> None:
         """Drop what has come while nobody read, where it may have holes."""
+
+    def listen_only_to(self, partner: Address | None) -> None:
+        """Drop what others send, where there are others; None listens to all again."""
 
     def send(self, packets: bytes, address: Address | None) -> bool:
         """Send whole packets, to `address` where we listen; False where there is nobody yet."""
@@ -61,6 +66,7 @@ class UdpTransport:
     def __init__(self, endpoint: Endpoint) -> None:
         self.closed = False
         self._peer: Address | None = None  # who was named
+        self._partner: Address | None = None  # who alone is heard
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             self._open(endpoint)
@@ -87,14 +93,20 @@ class UdpTransport:
         return self._socket.fileno()
 
     def receive(self) -> list[Received]:
-        """Return all datagrams that have arrived, cut into packets."""
+        """Return the datagrams that have arrived, cut into packets; of strangers, nothing."""
         received: list[Received] = []
-        while True:
+        for _ in range(MAX_DATAGRAMS):
             try:
                 datagram, address = self._socket.recvfrom(DATAGRAM_BYTES)
             except OSError:  # nothing more, or an earlier datagram came back as unreachable
-                return received
-            received.append((split_packets(datagram)[0], address))
+                break
+            if self._partner is None or address == self._partner:
+                received.append((split_packets(datagram, MAX_UNSOUND)[0], address))
+        return received
+
+    def listen_only_to(self, partner: Address | None) -> None:
+        """Drop what others send, unread; None listens to all again."""
+        self._partner = partner
 
     def forget_backlog(self) -> None:
         """Keep all: the receive buffer holds what a vehicle says in half a minute."""
@@ -159,6 +171,9 @@ class StreamTransport:
         while self.receive():
             continue
         self._splitter = PacketSplitter()
+
+    def listen_only_to(self, partner: Address | None) -> None:
+        """Change nothing: a stream has one other end."""
 
     def send(self, packets: bytes, address: Address | None) -> bool:  # noqa: ARG002  (protocol)
         """Send whole packets; False where the other end has gone, or is too far behind."""

@@ -154,7 +154,9 @@ class Endpoint:
         return Servers(
             camera=CameraComponent(camera),
             referee=RefereeComponent(vehicle, lambda: flies_a_mission(vehicle.autopilot)),
-            commands=CommandServer(vehicle, system, storage.metadata),
+            commands=CommandServer(
+                vehicle, system, storage.metadata, unix_epoch_us=self._unix_epoch_us
+            ),
             missions=MissionServer(vehicle, self._outgoing.broadcast, self._outgoing.say),
             parameters=ParameterServer(
                 vehicle.parameters, self._outgoing.broadcast_packed, refusals

@@ -5,7 +5,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -80,14 +80,14 @@ def process(module: str, *options: str, log: Path) -> Iterator[Process]:
 
 
 @contextlib.contextmanager
-def pair(folder: Path, *vehicle_options: str) -> Iterator[Pair]:
+def pair(folder: Path, *vehicle_options: str, companion: Sequence[str] = ()) -> Iterator[Pair]:
     """Start both in lockstep, as fast as they can, on an instance of their own."""
     vehicle_log, companion_log = folder / "vehicle.tlog", folder / "companion.tlog"
     output = folder / "companion.txt"
     with contextlib.ExitStack() as stack:
         instance = stack.enter_context(free_instance())
         vehicle_options = (*LOCKSTEP, *vehicle_options, f"--instance={instance}")
-        companion_options = (f"--udp={API_PORT + instance}", f"--log={companion_log}")
+        companion_options = (f"--udp={API_PORT + instance}", f"--log={companion_log}", *companion)
         start = stack.enter_context
         yield Pair(
             instance=instance,

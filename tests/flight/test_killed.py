@@ -13,7 +13,7 @@ from tests.flight.processes import pair
 pytestmark = pytest.mark.flight
 CALM = ("--noise=0,0", "--laps=4")
 START_S = 60.0  # from the processes' start to the first gate
-LOST_S = 5.0  # 3 s of silence, then the end of the process
+LOST_S = 8.0  # 3 s of silence, 1 s of calling, then the end of the process
 OFFBOARD_LOSS_S = 1.0  # PX4 COM_OF_LOSS_T
 CONTROL_TICK_S = 0.004
 LINK_BITS_S = 4e-6  # the tlog's times carry the link's number in their lowest bits
@@ -39,7 +39,11 @@ def test_vehicle_leaves_offboard_when_the_companion_is_killed(tmp_path: Path) ->
 
 
 def test_companion_says_so_when_the_vehicle_is_killed(tmp_path: Path) -> None:
-    with pair(tmp_path, *CALM) as flight, Observer(flight.instance) as observer:
+    briefly = ("--reach=1",)
+    with (
+        pair(tmp_path, *CALM, companion=briefly) as flight,
+        Observer(flight.instance) as observer,
+    ):
         observer.wait_for_gate(0, timeout_s=START_S, running=flight.companion)
         flight.vehicle.send_signal(signal.SIGKILL)
         assert flight.companion.wait(timeout=LOST_S) == 3

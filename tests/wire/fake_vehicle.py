@@ -74,8 +74,6 @@ class FakeVehicle:
         self._parser.robust_parsing = True
         self._parser.signing = self._new_signing()
         self._sequences: dict[int, common.MAVLink] = {}
-        image = np.full((64, 64, 3), (10, 20, 30), np.uint8)  # BGR
-        self._png = cv2.imencode(".png", image)[1].tobytes()
         self._thread = threading.Thread(target=self._run, daemon=True)
 
     def __enter__(self) -> "FakeVehicle":
@@ -157,13 +155,20 @@ class FakeVehicle:
         if self._client is None or self._reached(self.script.stream_breaks_after):
             self.script.stream_breaks_after = None
             self._accept(ANSWER_S if self._client is None else None)
+        png = self._picture()
         head = (
-            f"\r\n--frame\r\nContent-Type: image/png\r\nContent-Length: {len(self._png)}\r\n"
+            f"\r\n--frame\r\nContent-Type: image/png\r\nContent-Length: {len(png)}\r\n"
             f"X-Timestamp: {self.time_us / 1e6:.6f}\r\nX-Sequence: {self._image_number}\r\n\r\n"
         )
         with contextlib.suppress(OSError):
             if self._client is not None:
-                self._client.sendall(head.encode() + self._png)
+                self._client.sendall(head.encode() + png)
+
+    def _picture(self) -> bytes:
+        """Draw a bar that wanders over a picture of one colour."""
+        image = np.full((64, 64, 3), (10, 20, 30), np.uint8)  # BGR
+        image[8 + self._image_number % 56] = 255
+        return cv2.imencode(".png", image)[1].tobytes()
 
     def _accept(self, timeout_s: float | None) -> None:
         if self._client is not None:

@@ -11,12 +11,13 @@ from flightstack.px4_modes import Px4Mode
 
 SECOND_US = 1_000_000
 PRESTREAM_US = SECOND_US  # PX4 documents a second of setpoints before OFFBOARD
+FOUND_US = 3 * SECOND_US  # by then whoever steers a vehicle that was armed before has been heard
 HOME_PERIOD_US = 2_500_000  # PX4 streams HOME_POSITION every 2 s
 HOVER_M_S = 0.3
 SETTLED_US = SECOND_US  # PX4's take-off ends in hold before the climb has come to rest
 SETTLED_LATEST_US = 20 * SECOND_US  # a poor estimate may never read so slow
 GROUNDED_US = 4 * SECOND_US  # PX4 disarms by itself COM_DISARM_LAND (2 s) after landing
-HEARTBEAT_LOST_US = 3 * SECOND_US
+HEARTBEAT_LOST_US = 10 * SECOND_US  # while other messages come; PX4 COM_DL_LOSS_T
 LIMITS_US = {
     MissionPhase.WAITING: 180 * SECOND_US,  # a position estimate may take minutes outdoors
     MissionPhase.ARMING: 20 * SECOND_US,
@@ -24,6 +25,7 @@ LIMITS_US = {
     MissionPhase.ENTERING_OFFBOARD: 15 * SECOND_US,
     MissionPhase.LANDING: 120 * SECOND_US,
 }
+LEFT_BEHIND = (Px4Mode.TAKEOFF, Px4Mode.LOITER, Px4Mode.OFFBOARD, Px4Mode.LAND)  # by a companion
 Reading = tuple[MissionStatus, MissionEvent | None]  # what is remembered, what has happened
 
 
@@ -44,8 +46,16 @@ def stand(status: MissionStatus, vehicle: Telemetry) -> Stand:
 
 
 def _hazards(status: MissionStatus, situation: Situation, now_us: int) -> Iterator[MissionEvent]:
+    if situation.restarted_us is not None:
+        yield MissionEvent.VEHICLE_RESTARTED
+    if status.phase is MissionPhase.REACHING and (
+        situation.vehicle_gone or _in_phase_us(status, now_us) > status.reach_us
+    ):
+        yield MissionEvent.PHASE_TOO_LONG
     if situation.vehicle_silent:
         yield MissionEvent.VEHICLE_SILENT
+    if situation.other_pilot and not status.takes_over:
+        yield MissionEvent.OTHER_PILOT
     if situation.stop_requested:
         yield MissionEvent.STOP_REQUESTED
     if status.hold is not None and now_us > status.hold.lands_us:
@@ -65,7 +75,11 @@ def _waiting(status: MissionStatus, vehicle: Telemetry, now_us: int) -> Reading:
         return status, MissionEvent.HOME_UNKNOWN if waited_us >= HOME_PERIOD_US else None
     if waited_us < PRESTREAM_US:
         return status, None
-    return status, _begin_armed(vehicle) if vehicle.armed else _prepare(vehicle)
+    if not vehicle.armed:
+        return status, _prepare(vehicle)
+    if status.takes_over:
+        return status, _begin_armed(vehicle)
+    return status, _found_armed(vehicle) if waited_us >= FOUND_US else None
 
 
 def _prepare(vehicle: Telemetry) -> MissionEvent | None:
@@ -73,6 +87,13 @@ def _prepare(vehicle: Telemetry) -> MissionEvent | None:
         return MissionEvent.ARMABLE
     fit = vehicle.custom_mode in (Px4Mode.LOITER, Px4Mode.OFFBOARD)
     return None if fit else MissionEvent.UNFIT_MODE
+
+
+def _found_armed(vehicle: Telemetry) -> MissionEvent | None:
+    """Land or disarm what a flight before has left, but nothing that somebody else flies."""
+    grounded = vehicle.landed is LandedState.ON_GROUND
+    left = vehicle.landed is not LandedState.UNKNOWN and vehicle.custom_mode in LEFT_BEHIND
+    return MissionEvent.FOUND_ARMED if grounded or left else None
 
 
 def _begin_armed(vehicle: Telemetry) -> MissionEvent | None:
@@ -147,6 +168,15 @@ def _taken_over(status: MissionStatus, vehicle: Telemetry, now_us: int) -> Readi
     return status, MissionEvent.OFFBOARD_SEEN if back else None
 
 
+def _reaching(status: MissionStatus, vehicle: Telemetry, _now_us: int) -> Reading:
+    if vehicle.heartbeat_us is None:  # since it fell silent, or restarted
+        return status, None
+    if not vehicle.armed:
+        return status, MissionEvent.DISARMED
+    ours = vehicle.custom_mode in LEFT_BEHIND
+    return status, MissionEvent.HEARD_AGAIN if ours else MissionEvent.MODE_LOST
+
+
 def _landing(status: MissionStatus, vehicle: Telemetry, now_us: int) -> Reading:
     if not vehicle.armed and (vehicle.heartbeat_us or 0) > (status.entered_us or 0):
         return status, MissionEvent.DISARMED
@@ -165,6 +195,7 @@ READERS: dict[MissionPhase, Callable[[MissionStatus, Telemetry, int], Reading]] 
     MissionPhase.ENTERING_OFFBOARD: _entering_offboard,
     MissionPhase.FLYING: _flying,
     MissionPhase.TAKEN_OVER: _taken_over,
+    MissionPhase.REACHING: _reaching,
     MissionPhase.LANDING: _landing,
     MissionPhase.DONE: lambda status, _vehicle, _now_us: (status, None),
 }

@@ -35,7 +35,8 @@ def advance(status: MissionStatus, situation: Situation, now_us: int) -> Step:
         outcome = hold.reason
     if isinstance(to, Junction):
         to, request = JUNCTIONS[to][stand(status, situation.vehicle)]
-    status = _conclude(status, outcome, now_us)
+    ended_us = now_us if situation.restarted_us is None else situation.restarted_us
+    status = _conclude(status, outcome, ended_us)
     requests = () if request is None else (request,)
     if to is not status.phase:
         return _enter(status, to, requests, now_us)

@@ -15,6 +15,7 @@ class MissionPhase(Enum):
     ENTERING_OFFBOARD = "entering offboard"
     FLYING = "flying"
     TAKEN_OVER = "taken over"
+    REACHING = "trying to reach the vehicle"
     LANDING = "landing"
     DONE = "done"
 
@@ -32,6 +33,12 @@ class Outcome(Enum):
     INTERRUPTED = "interrupted"
     CAMERA_LOST = "camera_lost"
     LINK_LOST = "link_lost"
+    RESTARTED = "vehicle_restarted"
+    FOUND_ARMED = "found_armed"  # before it began: armed by somebody else, or by a flight before
+    OTHER_PILOT = "other_pilot"  # somebody else steers the same vehicle
+    PART_FAILED = "part_failed"  # of the pilot: perception, policy or strategy
+    OUT_OF_LIMITS = "out_of_limits"  # of height, distance or speed
+    COMPANION_FAILED = "companion_failed"  # an error of our own
 
 
 class MissionRequest(Enum):
@@ -66,9 +73,13 @@ class Situation:
 
     vehicle: Telemetry
     image_us: int  # stamp of the newest camera image
-    hold: Hold | None = None  # raised by anybody but the camera
+    holds: tuple[Hold, ...] = ()  # raised by anybody but the camera
+    camera_lies_us: int | None = None  # since when what it shows or says cannot be
     stop_requested: bool = False
     vehicle_silent: bool = False  # for so long that it is lost
+    vehicle_gone: bool = False  # its end of the link has closed for good
+    restarted_us: int | None = None  # it has since the last look; its last time before
+    other_pilot: bool = False  # steers the vehicle, or is about to
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,6 +89,8 @@ class MissionStatus:
     duration_us: int | None = None  # to fly in OFFBOARD at most
     gate_timeout_us: int | None = None  # to fly without passing a gate at most
     lands: bool = True  # at the end; False in a simulation that ends with the flight
+    takes_over: bool = False  # goes on with a vehicle that was armed before, or has a pilot
+    reach_us: int = 300_000_000  # for so long a silent vehicle that we have lifted is called
     phase: MissionPhase = MissionPhase.WAITING
     entered_us: int | None = None
     requested_us: int | None = None  # the last request of this phase

@@ -27,6 +27,8 @@ class MissionEvent(Enum):
     """What may happen to a mission; the words stand in its diagram."""
 
     VEHICLE_SILENT = "vehicle silent"
+    VEHICLE_RESTARTED = "vehicle has restarted"
+    OTHER_PILOT = "somebody else steers"
     STOP_REQUESTED = "stop requested"
     HELD_TOO_LONG = "held too long"
     HEARTBEAT_LOST = "heartbeat lost"
@@ -35,6 +37,7 @@ class MissionEvent(Enum):
     HOME_UNKNOWN = "home unknown"
     UNFIT_MODE = "mode unfit to arm in"
     ARMABLE = "can be armed"
+    FOUND_ARMED = "found armed"
     ARMED_ON_GROUND = "armed on the ground"
     NOT_ARMED = "not armed"
     ARMED = "armed"
@@ -43,6 +46,7 @@ class MissionEvent(Enum):
     HOVERING = "holds in the air"
     MODE_NOT_SEEN = "mode not seen"
     MODE_LOST = "other mode"
+    HEARD_AGAIN = "heard again"
     OFFBOARD_SEEN = "OFFBOARD seen"
     COURSE_FINISHED = "course finished"
     COLLIDED = "collision"
@@ -56,6 +60,7 @@ class Junction(Enum):
     """Where a transition depends on how the vehicle stands."""
 
     CONCLUDE = "conclude"
+    CALL = "call"
     YIELD = "yield"
 
 
@@ -76,10 +81,25 @@ class Transition(NamedTuple):
 
 
 P, E, R = MissionPhase, MissionEvent, MissionRequest
-OURS = (P.ARMING, P.TAKING_OFF, P.ENTERING_OFFBOARD, P.FLYING, P.LANDING)  # to land
-SILENT = {E.VEHICLE_SILENT: Transition(P.DONE, None, Outcome.LINK_LOST)}
-SILENT_OURS = {E.VEHICLE_SILENT: Transition(P.DONE, R.LAND, Outcome.LINK_LOST)}
+OURS = (  # to land
+    P.ARMING,
+    P.TAKING_OFF,
+    P.ENTERING_OFFBOARD,
+    P.FLYING,
+    P.REACHING,
+    P.LANDING,
+)
+OTHERS = Transition(P.DONE, None, Outcome.OTHER_PILOT)  # at once: each setpoint of ours disturbs
+SILENT = {
+    E.VEHICLE_SILENT: Transition(P.DONE, None, Outcome.LINK_LOST),
+    E.VEHICLE_RESTARTED: Transition(P.DONE, None, Outcome.RESTARTED),
+}
+SILENT_OURS = {
+    E.VEHICLE_SILENT: Transition(Junction.CALL, None, Outcome.LINK_LOST),
+    E.VEHICLE_RESTARTED: Transition(Junction.CALL, None, Outcome.RESTARTED),
+}
 HAZARDS = SILENT_OURS | {
+    E.OTHER_PILOT: OTHERS,
     E.STOP_REQUESTED: Transition(Junction.CONCLUDE, None, Outcome.INTERRUPTED),
     E.HELD_TOO_LONG: Transition(Junction.CONCLUDE),
     E.HEARTBEAT_LOST: Transition(Junction.CONCLUDE, None, Outcome.LINK_LOST),
@@ -90,12 +110,14 @@ LOST = Transition(Junction.YIELD, None, Outcome.TAKEN_OVER)
 TRANSITIONS: dict[MissionPhase, dict[MissionEvent, Transition]] = {
     P.WAITING: {
         **SILENT,
+        E.OTHER_PILOT: OTHERS,
         E.STOP_REQUESTED: Transition(P.DONE, None, Outcome.INTERRUPTED),
         E.HELD_TOO_LONG: Transition(P.DONE),
         E.HEARTBEAT_LOST: Transition(P.DONE, None, Outcome.LINK_LOST),
         E.PHASE_TOO_LONG: Transition(P.DONE, None, Outcome.REFUSED),
         E.COURSE_OVER_BEFORE: Transition(P.DONE, None, Outcome.COURSE_OVER),
         E.HOME_UNKNOWN: Transition(P.WAITING, R.HOME_POSITION),
+        E.FOUND_ARMED: Transition(Junction.CONCLUDE, None, Outcome.FOUND_ARMED),
         E.ARMED_ON_GROUND: Transition(P.TAKING_OFF, R.TAKE_OFF),
         E.HOVERING: Transition(P.ENTERING_OFFBOARD, R.OFFBOARD_MODE),
         E.ARMABLE: Transition(P.ARMING, R.ARM),
@@ -141,6 +163,14 @@ TRANSITIONS: dict[MissionPhase, dict[MissionEvent, Transition]] = {
         E.TIME_UP: Transition(P.DONE),
         E.OFFBOARD_SEEN: Transition(P.LANDING, R.LAND),  # a failsafe has recovered: nobody steers
     },
+    P.REACHING: {
+        E.VEHICLE_RESTARTED: Transition(P.DONE, None, Outcome.RESTARTED),
+        E.PHASE_TOO_LONG: Transition(P.DONE),
+        E.VEHICLE_SILENT: Transition(P.REACHING, R.LAND, Outcome.LINK_LOST),
+        E.DISARMED: Transition(P.DONE),
+        E.MODE_LOST: Transition(Junction.YIELD),
+        E.HEARD_AGAIN: Transition(P.LANDING, R.LAND),
+    },
     P.LANDING: {
         **SILENT_OURS,
         E.PHASE_TOO_LONG: Transition(P.DONE, None, Outcome.REFUSED),
@@ -155,6 +185,11 @@ JUNCTIONS: dict[Junction, dict[Stand, tuple[MissionPhase, MissionRequest | None]
         Stand.ENDS_IN_AIR: (P.DONE, None),
         Stand.ON_GROUND: (P.LANDING, R.DISARM),
         Stand.ALOFT: (P.LANDING, R.LAND),
+    },
+    Junction.CALL: {
+        Stand.ENDS_IN_AIR: (P.DONE, R.LAND),
+        Stand.ON_GROUND: (P.REACHING, R.LAND),
+        Stand.ALOFT: (P.REACHING, R.LAND),
     },
     Junction.YIELD: {
         Stand.ENDS_IN_AIR: (P.DONE, None),

@@ -11,7 +11,7 @@ from flightstack.logs.commands.opening import open_flight
 from flightstack.logs.facts.summary import summarise
 from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.parameters import read_parameters
-from flightstack.logs.printable import printable
+from flightstack.printable import printable
 
 SKIPPED = ("log", "texts", "modes", "armed", "links", "damage", "checks", "failsafes", "counts")
 

@@ -10,8 +10,8 @@ from flightstack.logs.columns.log import Log
 from flightstack.logs.commands.arguments import names_in
 from flightstack.logs.facts.events import LiveEvents
 from flightstack.logs.facts.values import Facts
-from flightstack.logs.printable import printable
 from flightstack.logs.text.lines import LineOptions, lines
+from flightstack.printable import printable
 
 PAUSE_S = 0.05
 RATES_EVERY_S = 1.0

@@ -8,7 +8,7 @@ from flightstack.logs.commands.opening import flights_of
 from flightstack.logs.errors import UnknownNameError
 from flightstack.logs.flight.parameters import Change, LoggedParameters, Value, read_parameters
 from flightstack.logs.nearest import did_you_mean
-from flightstack.logs.printable import printable
+from flightstack.printable import printable
 
 
 def _chosen(names: list[str], patterns: list[str], log: str) -> list[str]:

@@ -10,9 +10,9 @@ from flightstack.logs.commands.opening import logs_in, use_checks
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.facts.values import Facts
 from flightstack.logs.facts.whole_log import summary_of
-from flightstack.logs.printable import printable
 from flightstack.logs.progress import progress
 from flightstack.logs.text.summary_text import one_line, page
+from flightstack.printable import printable
 
 
 def _say(facts: Facts, *, as_json: bool, in_a_row: bool) -> None:

@@ -7,8 +7,8 @@ import numpy as np
 
 from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.table import Table
-from flightstack.logs.printable import harmless_cell
 from flightstack.logs.text import fast_text
+from flightstack.printable import harmless_cell
 
 CHUNK = 8_000
 QUOTED = (",", '"', "\n", "\r")

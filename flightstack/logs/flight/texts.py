@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from flightstack.logs.columns.log import Log
 from flightstack.logs.dialect.message_types import enum_name
-from flightstack.logs.printable import printable
+from flightstack.printable import printable
 
 COPY_US = 200_000  # the same text from the same sender this soon came over another link
 CHUNK_BYTES = 50  # a chunk this full has another one after it

@@ -15,7 +15,6 @@ from flightstack.logs.facts.summary import summarise
 from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.why import FailedGate, find_failure
-from flightstack.logs.printable import printable
 from flightstack.logs.report import tables
 from flightstack.logs.report.beside_figure import (
     BesideLog,
@@ -29,6 +28,7 @@ from flightstack.logs.report.story import story, tiles
 from flightstack.logs.report.strip import strip_html
 from flightstack.logs.report.time_figure import time_figure
 from flightstack.logs.text.summary_text import duration, started
+from flightstack.printable import printable
 
 PLOTLY_FILE = ("package_data", "plotly.min.js")
 

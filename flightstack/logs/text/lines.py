@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.table import Table
 from flightstack.logs.errors import UnknownNameError
-from flightstack.logs.printable import harmless_cell, printable
 from flightstack.logs.text import fast_text
+from flightstack.printable import harmless_cell, printable
 
 CHUNK = 6_000  # packets whose lines are made at once: a compromise between steps and caches
 Text = fast_text.Lines | list[bytes]  # the lines of one type

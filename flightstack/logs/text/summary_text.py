@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from flightstack.logs.facts.values import Facts
-from flightstack.logs.printable import printable
+from flightstack.printable import printable
 
 SET_AFTER_S = 1e9  # 2001: an earlier time is of a clock that was never set
 MAX_REGIONS = 5

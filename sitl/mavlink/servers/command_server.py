@@ -72,9 +72,15 @@ class CommandServer:
     """The autopilot component's side of the command protocol."""
 
     def __init__(
-        self, vehicle: SimulatedVehicle, system: int, metadata: Metadata | None = None
+        self,
+        vehicle: SimulatedVehicle,
+        system: int,
+        metadata: Metadata | None = None,
+        *,
+        unix_epoch_us: int = 0,
     ) -> None:
         self._vehicle = vehicle
+        self._unix_epoch_us = unix_epoch_us
         self._metadata = metadata
         self._system = system
         self._handlers = {
@@ -123,7 +129,8 @@ class CommandServer:
             messages = [self._metadata.message(self._vehicle.time_us)]
         else:
             encode = ENCODERS.get(-1 if message_id is None else message_id)
-            message = encode(View(self._vehicle)) if encode else None
+            view = View(self._vehicle, unix_epoch_us=self._unix_epoch_us)
+            message = encode(view) if encode else None
             messages = [] if message is None else [message]
         for message in messages:
             request.outlet.send(message)

@@ -1,4 +1,5 @@
 import dataclasses
+import os
 from pathlib import Path
 
 import numpy as np
@@ -130,6 +131,14 @@ def test_unknown_parts_in_the_weights_are_refused(folder: Path) -> None:
         ('"mc-dropout"', '"mcd"', "perception.sampling: expected one of 'mc-dropout'"),
         ("dropout = 0.2", "dropout = 0.0", "'mc-dropout' needs dropout above 0"),
         ('name = "m0"', "name = ", r"config\.toml: .*[Ii]nvalid value"),
+        ('name = "m0"', f"name = {'[' * 5000}", r"config\.toml: not TOML"),
+        ('name = "m0"', f"name = {'9' * 5000}", r"config\.toml: not TOML"),
+        ("dropout = 0.2", f"dropout = {'9' * 400}", "perception.dropout: expected float"),
+        ('"de-mean"', '"m.evil:Go"', "'m.evil:Go' is not flightstack's own: .* by --strategy"),
+        ('"de-mean"', '"os/path/join"', "'os/path/join' is not flightstack's own"),
+        ("members = 3", "members = 99999999999999", "a size of 99999999999999: 65536 is"),
+        ("hidden = [256, 64]", "hidden = [256, 70000]", "a size of 70000"),
+        ("samples = 8", "samples = 999999999", "2999999997 actions an image"),
     ],
 )
 def test_configuration_that_is_wrong_is_one_clear_error(
@@ -138,6 +147,40 @@ def test_configuration_that_is_wrong_is_one_clear_error(
     path = folder / CONFIG_FILE
     path.write_text(path.read_text().replace(old, new))
     with pytest.raises(ModelError, match=message):
+        models.load("test/m0")
+
+
+def test_a_model_cannot_have_code_run(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(folder))
+    (folder / "evil.py").write_text(f"open({str(folder / 'ran')!r}, 'w').close()\n")
+    sign(folder, CONFIG)
+    path = folder / CONFIG_FILE
+    path.write_text(path.read_text().replace('"de-mean"', '"evil:Go"'))
+    with pytest.raises(ModelError, match=r"^.*config\.toml: strategy 'evil:Go'"):
+        load_pipeline(str(folder))
+    assert not (folder / "ran").exists()
+
+
+def test_a_huge_model_is_refused_before_anything_is_allocated(folder: Path) -> None:
+    policy = PolicyConfig(members=60000, probabilistic=True, hidden=(60000, 60000))  # 900 TB
+    sign(folder, dataclasses.replace(CONFIG, policy=policy))
+    with pytest.raises(ModelError, match=r"is \(3, 1, 256\), not \(60000, 1, 60000\)"):
+        models.load("test/m0")
+
+
+def test_weights_of_another_kind_of_number_are_refused(folder: Path) -> None:
+    weights = load_file(folder / WEIGHTS_FILE)
+    weights["policies.out.bias"] = weights["policies.out.bias"].double()
+    save_file(weights, folder / WEIGHTS_FILE)
+    sign(folder, CONFIG)
+    with pytest.raises(ModelError, match=r"policies\.out\.bias is F64, not F32"):
+        models.load("test/m0")
+
+
+def test_weights_that_are_no_file_are_not_waited_for(folder: Path) -> None:
+    (folder / WEIGHTS_FILE).unlink()
+    os.mkfifo(folder / WEIGHTS_FILE)
+    with pytest.raises(ModelError, match="cannot be read"):
         models.load("test/m0")
 
 

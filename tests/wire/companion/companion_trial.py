@@ -12,6 +12,7 @@ from pymavlink import mavutil
 
 from flightstack.companion.console import Console
 from flightstack.companion.flight import FlightPlan, fly
+from flightstack.companion.piloting.in_process import InProcessPilot
 from flightstack.companion.summary import FlightSummary
 from flightstack.mavlink.endpoint import parse_endpoint
 from flightstack.records import ALL_MEMBERS, Decision, Image
@@ -41,6 +42,10 @@ class ForwardPilot:
         )
 
 
+def guarded() -> InProcessPilot:
+    return InProcessPilot(ForwardPilot())
+
+
 def free_port() -> int:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
@@ -63,7 +68,11 @@ class Trial:
 
     def fly(self) -> FlightSummary:
         with self.vehicle:
-            return fly(self.plan, lambda: self.pilot, Console(verbosity=1, stream=self.output))
+            return fly(
+                self.plan,
+                lambda: InProcessPilot(self.pilot),
+                Console(verbosity=1, stream=self.output),
+            )
 
 
 def read_tlog(path: Path) -> Iterator[Any]:

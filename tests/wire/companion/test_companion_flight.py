@@ -19,9 +19,9 @@ from flightstack.errors import LinkError
 from flightstack.mavlink.endpoint import parse_endpoint
 from tests.wire.companion.companion_trial import (
     FORWARD_M_S,
-    ForwardPilot,
     Trial,
     free_port,
+    guarded,
     read_tlog,
 )
 from tests.wire.fake_vehicle import HOME_AMSL_M, Script
@@ -146,21 +146,24 @@ def test_a_stream_that_breaks_is_opened_again(tmp_path: Path) -> None:
     assert trial.fly().outcome is Outcome.COMPLETED
 
 
-def test_a_silent_vehicle_is_lost_within_5_s(tmp_path: Path) -> None:
-    trial = Trial(tmp_path, Script(gates=None, silent_after=30))
+def test_a_silent_vehicle_is_called_then_given_up(tmp_path: Path) -> None:
+    trial = Trial(tmp_path, Script(gates=None, silent_after=30), reach_s=4.0)
     summary = trial.fly()
     assert (summary.outcome, summary.exit_code) == (Outcome.LINK_LOST, 3)
-    last = trial.vehicle.received[-1]
-    assert (last.get_type(), last.command) == ("COMMAND_LONG", common.MAV_CMD_NAV_LAND)
+    landings = trial.vehicle.commands().count(common.MAV_CMD_NAV_LAND)
+    assert landings >= 2  # again and again
+    assert "trying to reach the vehicle (link lost)" in trial.output.getvalue()
     assert sum(1 for _ in read_tlog(trial.plan.log)) > 100
 
 
 def test_never_sends_what_is_not_finite(tmp_path: Path) -> None:
-    trial = Trial(tmp_path, Script(gates=None), duration_s=1.0)
+    trial = Trial(tmp_path, Script(gates=None), duration_s=9.0)
     trial.pilot.command[1] = math.nan
-    assert trial.fly().outcome is Outcome.COMPLETED
+    summary = trial.fly()
+    assert (summary.outcome, summary.exit_code) == (Outcome.PART_FAILED, 1)
     assert {s.vx for s in trial.vehicle.setpoints()} == {0.0}
     assert trial.output.getvalue().count("not finite") == 1
+    assert not trial.vehicle.armed
 
 
 def test_a_second_signal_ends_at_once(tmp_path: Path) -> None:
@@ -215,8 +218,10 @@ def test_a_camera_that_never_starts_is_told(tmp_path: Path) -> None:
 def write_video(path: Path) -> None:
     partial = path.with_suffix(".part.avi")
     writer = cv2.VideoWriter(str(partial), cv2.VideoWriter.fourcc(*"MJPG"), 50.0, (64, 64))
-    for _ in range(500):
-        writer.write(np.full((64, 64, 3), (0, 0, 255), np.uint8))
+    for number in range(500):
+        image = np.full((64, 64, 3), (0, 0, 255), np.uint8)
+        image[number % 64] = 255
+        writer.write(image)
     writer.release()
     partial.replace(path)
 
@@ -225,7 +230,7 @@ def test_no_vehicle_is_told(tmp_path: Path) -> None:
     endpoint = parse_endpoint(f"udpin:127.0.0.1:{free_port()}")
     plan = FlightPlan(endpoint=endpoint, log=tmp_path / "flight.tlog", timeout_s=0.2)
     with pytest.raises(LinkError, match=r"no vehicle heard on udpin:.* for 0\.2 s"):
-        fly(plan, ForwardPilot, Console(verbosity=-1))
+        fly(plan, guarded, Console(verbosity=-1))
     assert not plan.log.exists()
 
 

@@ -18,7 +18,7 @@ from flightstack.companion.flight import FlightPlan, fly
 from flightstack.logs import read
 from flightstack.mavlink.endpoint import parse_endpoint
 from flightstack.mavlink.tlog import TlogWriter
-from tests.wire.companion.companion_trial import ForwardPilot, free_port
+from tests.wire.companion.companion_trial import free_port, guarded
 from tests.wire.fake_vehicle import FakeVehicle, Script
 
 pytestmark = pytest.mark.flight
@@ -77,9 +77,7 @@ def test_a_killed_writer_leaves_every_record_that_it_had_written(seed: int, tmp_
 def test_a_killed_flight_leaves_all_but_its_last_moment(seed: int, tmp_path: Path) -> None:
     path, port = tmp_path / "flight.tlog", free_port()
     plan = FlightPlan(endpoint=parse_endpoint(f"udpin:127.0.0.1:{port}"), log=path)
-    companion = FORK.Process(
-        target=fly, args=(plan, ForwardPilot, Console(verbosity=-1)), daemon=True
-    )
+    companion = FORK.Process(target=fly, args=(plan, guarded, Console(verbosity=-1)), daemon=True)
     companion.start()
     with FakeVehicle(port, Script(gates=None)) as vehicle:
         wait_until(lambda: path.exists() and path.stat().st_size > 0)

@@ -14,6 +14,7 @@ from pymavlink import mavutil
 from flightstack.companion.console import Console
 from flightstack.companion.flight import FlightPlan, fly
 from flightstack.companion.mission.records import Outcome
+from flightstack.companion.piloting.in_process import InProcessPilot
 from flightstack.companion.summary import FlightSummary
 from flightstack.launch.instances import API_PORT, free_instance
 from flightstack.logs import read
@@ -34,7 +35,7 @@ class Vehicle:
 
     def fly(self, log: Path, pilot: ForwardPilot, **plan: Any) -> FlightSummary:
         flight = FlightPlan(endpoint=self.endpoint, log=log, timeout_s=30.0, **plan)
-        return fly(flight, lambda: pilot, Console(verbosity=-1))
+        return fly(flight, lambda: InProcessPilot(pilot), Console(verbosity=-1))
 
 
 @pytest.fixture
@@ -108,10 +109,10 @@ def test_a_killed_vehicle_is_lost(instance: int, tmp_path: Path) -> None:
     vehicle = Vehicle(instance, "--speed-factor=0")
     log = tmp_path / "flight.tlog"
     try:
-        summary = vehicle.fly(log, KillingPilot(vehicle.process))
+        summary = vehicle.fly(log, KillingPilot(vehicle.process), reach_s=4.0)
     finally:
         vehicle.process.kill()
         vehicle.process.wait(10)
     assert (summary.outcome, summary.exit_code) == (Outcome.LINK_LOST, 3)
-    last = list(read_tlog(log))[-1]
-    assert (last.get_type(), last.get_srcComponent()) == ("COMMAND_LONG", 191)
+    commands = [m.command for m in read_tlog(log) if m.get_type() == "COMMAND_LONG"]
+    assert commands[-4:] == [mavutil.mavlink.MAV_CMD_NAV_LAND] * 4

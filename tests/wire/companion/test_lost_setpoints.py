@@ -67,7 +67,7 @@ def test_a_lost_setpoint_is_sent_again_and_the_flight_is_the_same(tmp_path: Path
 
 
 def test_a_silent_vehicle_is_not_kept_in_offboard(tmp_path: Path) -> None:
-    trial = Trial(tmp_path, Script(gates=None, silent_after=30))
+    trial = Trial(tmp_path, Script(gates=None, silent_after=30), reach_s=3.0)
     assert trial.fly().outcome is Outcome.LINK_LOST
     stamps_ms = [setpoint.time_boot_ms for setpoint in trial.vehicle.setpoints()]
     assert len(stamps_ms) == len(set(stamps_ms))

@@ -2,6 +2,8 @@
 
 Three lists, one way for all: missions, fences, rally points. An upload is kept apart until it is
 whole, so that the vehicle never has half a plan; there is one at a time, whoever it comes from.
+What was lost on the way comes again: an upload's last item, too, though it has long ended, and gets
+the answer that it had (PX4 main, mavlink_mission.cpp: handle_mission_item_both).
 """
 
 from collections.abc import Callable, Mapping
@@ -32,6 +34,7 @@ class MissionServer:
         self._broadcast = broadcast
         self._say = say
         self._upload: Upload | None = None
+        self._ended: Upload | None = None  # the one before
         self._downloads: dict[Outlet, Download] = {}  # one per link
         self._told = self._missions.progress
         self.handlers: Mapping[int, Callable[[Message, Request], None]] = {
@@ -54,10 +57,10 @@ class MissionServer:
         elif upload is not None and not (upload.is_with(request) and upload.next == 0):
             _acknowledge(request, kind, MissionResult.ERROR)  # another upload is under way
         elif message.count > MAX_ITEMS[kind]:
-            self._upload = None
+            self._end_upload()
             _acknowledge(request, kind, MissionResult.NO_SPACE)
         elif message.count == 0:
-            self._upload = None
+            self._end_upload()
             _acknowledge(request, kind, self._missions.replace(kind, (), 0))
         else:
             now = self._vehicle.time_us
@@ -68,13 +71,28 @@ class MissionServer:
 
     def item(self, message: Message, request: Request) -> None:
         """Take an item of the upload: MISSION_ITEM_INT or MISSION_ITEM."""
-        upload = self._upload
+        upload = self._upload or self._ended
         if upload is None or not upload.is_with(request):
-            _acknowledge(request, message.mission_type, MissionResult.ERROR)
-            return
+            self._complain("REJ. MIS ITEM: partner id mismatch\t")
+        elif message.mission_type != upload.kind:
+            _acknowledge(request, upload.kind, MissionResult.ERROR)
+        elif self._upload is None:
+            self._answer_again(upload, message.seq)
+        elif message.seq == upload.next:
+            self._take(message, upload)
+        else:  # late or early: what is due will be asked for again
+            upload.heard_us = self._vehicle.time_us
+
+    def _answer_again(self, ended: Upload, sequence: int) -> None:
+        """Answer an item that comes after the end: the last one, whose answer has been lost."""
+        is_last = ended.result is not None and sequence == ended.next - 1
+        if not is_last:
+            self._complain("IGN MISSION_ITEM: No transfer\t")
+        result = ended.result if is_last and ended.result is not None else MissionResult.ERROR
+        _acknowledge(ended.request, ended.kind, result)
+
+    def _take(self, message: Message, upload: Upload) -> None:
         upload.heard_us = self._vehicle.time_us
-        if message.seq != upload.next or message.mission_type != upload.kind:
-            return  # late or early: what is due will be asked for again
         item = read_item(message)
         if not isinstance(item, MissionResult):
             refusal = self._missions.check(upload.kind, item)
@@ -85,8 +103,8 @@ class MissionServer:
                     self._ask(upload)
                 return
             item = refusal
-        self._upload = None
-        _acknowledge(request, upload.kind, item)
+        self._end_upload()
+        _acknowledge(upload.request, upload.kind, item)
 
     def request_list(self, message: Message, request: Request) -> None:
         """Begin a download: MISSION_REQUEST_LIST."""
@@ -94,7 +112,8 @@ class MissionServer:
         if kind is None:
             _acknowledge(request, message.mission_type, MissionResult.UNSUPPORTED)
             return
-        if running and not running.is_with(request) and running.next < len(running.plan):
+        is_again = running and running.is_with(request) and running.kind is kind
+        if running and running.next < len(running.plan) and not is_again:
             return  # as PX4: the one that runs goes on
         now, plan = self._vehicle.time_us, self._missions.plan(kind)
         self._downloads[request.outlet] = Download(
@@ -137,7 +156,10 @@ class MissionServer:
         if download and download.is_with(request) and message.mission_type == download.kind:
             del self._downloads[request.outlet]
         elif upload and upload.is_with(request) and message.type == MissionResult.CANCELLED:
-            self._upload = None
+            self._end_upload()
+        elif upload and upload.is_with(request) and message.type == MissionResult.UNSUPPORTED:
+            upload.floats = not upload.floats
+            self._ask(upload)
 
     def clear(self, message: Message, request: Request) -> None:
         """Empty one list, or all of them: MISSION_CLEAR_ALL."""
@@ -145,18 +167,20 @@ class MissionServer:
         if kind is None and message.mission_type != mavlink.MAV_MISSION_TYPE_ALL:
             _acknowledge(request, message.mission_type, MissionResult.UNSUPPORTED)
         elif self._upload is not None:
-            _acknowledge(request, message.mission_type, MissionResult.ERROR)
+            self._complain("WPM: IGN CLEAR CMD: Busy\t")  # and no answer, as PX4
         else:
             results = [self._missions.replace(k, (), 0) for k in PlanKind if kind in (k, None)]
             _acknowledge(request, message.mission_type, max(results))
 
     def set_current(self, message: Message, _request: Request) -> None:
         """Go to an item: MISSION_SET_CURRENT."""
-        if self._missions.set_current(message.seq):
+        if self._upload is not None:
+            self._complain("WPM: IGN WP CURR CMD: Busy\t")
+        elif self._missions.set_current(message.seq):
             self._told = self._missions.progress
             self._broadcast(mission_progress(self._told))
         else:
-            self._say(StatusText(severity=CRITICAL, text="WPM: WP CURR CMD: Not in list\t"))
+            self._complain("WPM: WP CURR CMD: Not in list\t")
 
     def advance(self) -> None:
         """Tell what has happened since the last tick, ask again for what is late, give up."""
@@ -172,8 +196,8 @@ class MissionServer:
     def _check_time(self, time_us: int) -> None:
         upload = self._upload
         if upload is not None and upload.is_over(time_us):
-            self._upload = None
-            self._say(StatusText(severity=CRITICAL, text="Operation timeout\t"))
+            self._end_upload()
+            self._complain("Operation timeout\t")
         elif upload is not None and upload.must_repeat(time_us):
             self._ask(upload)
         for outlet, download in list(self._downloads.items()):
@@ -183,17 +207,23 @@ class MissionServer:
     def _ask(self, upload: Upload) -> None:
         upload.sent_us = self._vehicle.time_us
         request = upload.request
-        request.outlet.send(
-            mavlink.MAVLink_mission_request_int_message(
-                request.system, request.component, upload.next, upload.kind
-            )
-        )
+        write = mavlink.MAVLink_mission_request_int_message
+        if upload.floats:
+            write = mavlink.MAVLink_mission_request_message
+        request.outlet.send(write(request.system, request.component, upload.next, upload.kind))
 
     def _finish(self, upload: Upload) -> None:
         """Hand the whole plan over; the vehicle may still refuse it."""
-        self._upload = None
-        result = self._missions.replace(upload.kind, tuple(upload.items), upload.current)
-        _acknowledge(upload.request, upload.kind, result)
+        self._end_upload()
+        upload.result = self._missions.replace(upload.kind, tuple(upload.items), upload.current)
+        _acknowledge(upload.request, upload.kind, upload.result)
+
+    def _end_upload(self) -> None:
+        if self._upload is not None:
+            self._ended, self._upload = self._upload, None
+
+    def _complain(self, text: str) -> None:
+        self._say(StatusText(severity=CRITICAL, text=text))
 
 
 def _kind_of(message: Message) -> PlanKind | None:

@@ -7,7 +7,7 @@ IDLE --MISSION_REQUEST_LIST--> DOWNLOAD --MISSION_ACK, wrong request, 5 s of sil
 from dataclasses import dataclass, field
 
 from sitl.mavlink.servers.request import Request
-from sitl.records.missions import MissionItem, Plan, PlanKind
+from sitl.records.missions import MissionItem, MissionResult, Plan, PlanKind
 
 RETRY_US = 250_000  # after this an item is asked for again
 ABORT_US = 5_000_000  # of silence; both as PX4 has them
@@ -44,6 +44,8 @@ class Upload(Transfer):
     count: int
     current: int = 0  # the item that was marked as the one to begin with
     items: list[MissionItem] = field(default_factory=list)
+    floats: bool = False  # items are asked for by MISSION_REQUEST
+    result: MissionResult | None = None  # of the whole plan
 
     def must_repeat(self, time_us: int) -> bool:
         """Whether the item that is due must be asked for again."""

@@ -2,7 +2,8 @@
 
 import pytest
 
-from flightstack.camera.multipart import MultipartSource, NotMultipartError, decode_rgb
+from flightstack.camera.multipart import MultipartSource, NotMultipartError
+from flightstack.camera.parts import decode_rgb
 from flightstack.clock import VehicleClock
 from tests.unit.flightstack.camera.made_stream import MadeStream, part, picture
 
@@ -16,15 +17,16 @@ def test_images_come_with_stamp_number_and_colours() -> None:
     second = part(picture(1, 2, 3), X_Timestamp="12.100000", X_Sequence="242")
     with MadeStream(first + second) as stream:
         source = opened(stream)
-        images = [source.read().image for _ in range(2)]
+        arrivals = [source.read() for _ in range(2)]
         source.close()
+    images = [arrival.image for arrival in arrivals]
     assert [(image.stamp_us, image.sequence) for image in images] == [
         (12_052_000, 241),
         (12_100_000, 242),
     ]
     assert images[0].rgb.shape == (64, 64, 3)
     assert images[0].rgb[5, 5].tolist() == [200, 100, 50]
-    assert source.stamped
+    assert all(arrival.stamped for arrival in arrivals)
     assert stream.requests[0].startswith(b"GET /stream HTTP/1.1\r\n")
 
 
@@ -41,13 +43,12 @@ def test_a_stream_without_stamps_is_stamped_on_arrival() -> None:
     clock.observe(5_000_000)
     with MadeStream(part(picture(1, 1, 1), suffix=".jpg") * 2) as stream:
         source = opened(stream, clock)
-        images = [source.read().image for _ in range(2)]
+        arrivals = [source.read() for _ in range(2)]
         source.close()
-    assert [(image.stamp_us, image.sequence) for image in images] == [
-        (5_000_000, 1),
-        (5_000_000, 2),
+    assert [(each.image.stamp_us, each.image.sequence, each.stamped) for each in arrivals] == [
+        (5_000_000, 1, False),
+        (5_000_000, 2, False),
     ]
-    assert not source.stamped
 
 
 def test_a_damaged_image_is_passed_over() -> None:

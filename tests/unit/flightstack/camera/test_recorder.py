@@ -1,7 +1,9 @@
 """Images are kept bit by bit beside the log, and whoever flies never waits for the disk."""
 
+import contextlib
 import os
 import threading
+import time
 from pathlib import Path
 
 import cv2
@@ -88,6 +90,20 @@ def test_a_full_disk_ends_the_recording_and_says_so(tmp_path: Path) -> None:
         recorder.close()
     assert recorder.failure == f"the recording {recorder.folder} ends here: File too large"
     assert not recorder.folder.exists()
+
+
+def test_the_last_of_the_disk_is_the_logs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    recorder = ImageRecorder(tmp_path / "flight.frames")
+    recorder.record(image(1))
+    with contextlib.closing(recorder):
+        deadline_s = time.monotonic() + WAIT_S
+        while not (recorder.folder / "000000000001.png").exists():
+            assert time.monotonic() < deadline_s
+        monkeypatch.setattr(recorder_module, "RESERVE_BYTES", 1 << 62)
+        recorder.record(image(2))
+    assert [path.name for path in recorder.folder.iterdir()] == ["000000000001.png"]
+    assert recorder.failure is not None
+    assert recorder.failure.startswith(f"the recording {recorder.folder} ends here: the last")
 
 
 def test_leaves_no_empty_folder(tmp_path: Path) -> None:

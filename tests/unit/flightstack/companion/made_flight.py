@@ -1,5 +1,6 @@
 """A flight loop whose vehicle, camera and clock are the test's: nothing waits, nothing is sent."""
 
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -7,18 +8,20 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common
 
+from flightstack.arrays import Rgb
 from flightstack.camera.mailbox import Arrival
 from flightstack.companion import loop as loop_module
 from flightstack.companion.console import Console
 from flightstack.companion.loop import FlightLoop
 from flightstack.companion.mission.records import MissionPhase, MissionStatus
+from flightstack.companion.piloting.in_process import InProcessPilot
 from flightstack.companion.reporter import Reporter
 from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.px4_modes import Px4Mode
 from flightstack.records import ALL_MEMBERS, Decision, Image
 from tests.unit.flightstack.mavlink.made_link import MadeLink, heartbeat
 
-PIXELS = np.zeros((2, 2, 3), np.uint8)
+SIZE = (8, 8, 3)
 ARMED = 128 | 29
 FORWARD_M_S = 2.0
 
@@ -26,10 +29,10 @@ FORWARD_M_S = 2.0
 class MadeCamera:
     """Hands over what the test has put into it."""
 
-    stamped = True
-
     def __init__(self) -> None:
+        self.announced_hz: float | None = None
         self.arrival: Arrival | None = None
+        self.restarts = 0
 
     def fileno(self) -> int:
         raise NotImplementedError
@@ -37,6 +40,9 @@ class MadeCamera:
     def take(self) -> Arrival | None:
         arrival, self.arrival = self.arrival, None
         return arrival
+
+    def restart(self) -> None:
+        self.restarts += 1
 
 
 class ForwardPilot:
@@ -64,17 +70,28 @@ class ForwardPilot:
 class MadeFlight:
     """One loop in FLYING; the vehicle says at each turn that it is in OFFBOARD."""
 
-    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        monkeypatch: pytest.MonkeyPatch,
+        *,
+        announced_hz: float | None = None,
+    ) -> None:
         self.made = MadeLink(folder)
         self.camera, self.pilot = MadeCamera(), ForwardPilot()
+        self.camera.announced_hz = announced_hz
+        self.speed_m_s: float | None = None
+        self.said = StringIO()
+        self.picture: Rgb | None = None
+        self._pictures, self._rng = 0, np.random.default_rng(0)
         self.session = VehicleSession(self.made.link, 3.0)
         self._say(0)
         self.session.receive()
         self.loop = FlightLoop(
             self.session,
             self.camera,
-            self.pilot,
-            Reporter(Console(verbosity=-2)),
+            InProcessPilot(self.pilot),
+            Reporter(Console(verbosity=-2, stream=self.said)),
             mission=MissionStatus(phase=MissionPhase.FLYING, offboard_us=0, entered_us=0),
         )
         monkeypatch.setattr(loop_module, "wait_for_any", self._wait)
@@ -88,11 +105,19 @@ class MadeFlight:
         self.made.wall.now_s += after_ms / 1000
         self._say(now_ms)
         if image:
-            picture = Image(stamp_us=now_ms * 1000, sequence=0, rgb=PIXELS)
-            self.camera.arrival = Arrival(picture, self.made.wall.now_s)
+            self.show(now_ms * 1000)
         before = len(self.made.transport.sent)
         self.loop._turn()
         return self.sent()[before:]
+
+    def show(self, stamp_us: int) -> None:
+        """Have the camera give a picture like no other, unless the test has chosen one."""
+        self._pictures += 1
+        rgb = self.picture
+        if rgb is None:
+            rgb = self._rng.integers(0, 256, SIZE, np.uint8)
+        image = Image(stamp_us=stamp_us, sequence=self._pictures, rgb=rgb)
+        self.camera.arrival = Arrival(image, self.made.wall.now_s)
 
     def silence(self, for_s: float) -> None:
         """Let the wall's time pass without a word, and the loop turn once."""
@@ -107,6 +132,9 @@ class MadeFlight:
 
     def _say(self, now_ms: int) -> None:
         self.made.say(common.MAVLink_attitude_message(now_ms, 0, 0, 0, 0, 0, 0))
+        if self.speed_m_s is not None:
+            position = (now_ms, 0, 0, 0, self.speed_m_s, 0, 0)
+            self.made.say(common.MAVLink_local_position_ned_message(*position))
         self.made.say(heartbeat(mode=Px4Mode.OFFBOARD, base_mode=ARMED, status=4))
 
     def _wait(self, timeout_s: float, *_: object) -> bool:  # noqa: ARG002  (nobody waits)

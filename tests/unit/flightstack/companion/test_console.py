@@ -50,3 +50,12 @@ def test_events_stand_above_the_live_line() -> None:
     console.close()
     written = f"{ERASE_LINE}1.5 m/s{ERASE_LINE}gate 1\n1.5 m/s{ERASE_LINE}"
     assert terminal.getvalue() == written
+
+
+def test_nothing_that_others_say_reaches_the_terminal_as_an_order() -> None:
+    stream = StringIO()
+    console = Console(verbosity=1, stream=stream)
+    for tell in (console.event, console.detail, console.warning):
+        tell("vehicle: \x1b]0;owned\x07\r\n\x9b2J\u202e")
+    assert all(line.isprintable() for line in stream.getvalue().removesuffix("\n").split("\n"))
+    assert stream.getvalue().count("\n") == 3

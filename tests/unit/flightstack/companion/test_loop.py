@@ -17,6 +17,7 @@ class Source:
     """Something that a selector waits on, and that is read out whole."""
 
     def __init__(self) -> None:
+        self.announced_hz: float | None = None
         self._end, self._socket = socket.socketpair()
         self.clock = VehicleClock()
 

@@ -47,15 +47,19 @@ def test_whoever_raises_a_hold_stops_the_vehicle_until_it_takes_it_back(
     flight: MadeFlight,
 ) -> None:
     flight.turn(50)
-    flight.loop.hold = Hold(reason=Outcome.REFUSED, since_us=50_000, lands_after_us=1_000_000)
+    flight.loop.holds[Outcome.REFUSED] = Hold(
+        reason=Outcome.REFUSED, since_us=50_000, lands_after_us=1_000_000
+    )
     assert forward_m_s(flight.turn(50)) == [0.0]
     assert flight.pilot.seen == len(flight.loop.latencies_s) == 1
-    flight.loop.hold = None
+    del flight.loop.holds[Outcome.REFUSED]
     assert forward_m_s(flight.turn(50)) == [FORWARD_M_S]
 
 
 def test_a_hold_that_lasts_lands_for_its_reason(flight: MadeFlight) -> None:
-    flight.loop.hold = Hold(reason=Outcome.REFUSED, since_us=0, lands_after_us=100_000)
+    flight.loop.holds[Outcome.REFUSED] = Hold(
+        reason=Outcome.REFUSED, since_us=0, lands_after_us=100_000
+    )
     flight.turn(50)
     flight.turn(50)
     assert flight.phase() is MissionPhase.FLYING
@@ -64,14 +68,38 @@ def test_a_hold_that_lasts_lands_for_its_reason(flight: MadeFlight) -> None:
     assert flight.loop.status.outcome is Outcome.REFUSED
 
 
-def test_a_silent_vehicle_is_told_to_land_and_given_up(flight: MadeFlight) -> None:
+def test_a_silent_vehicle_is_told_to_land_until_it_is_heard(flight: MadeFlight) -> None:
     flight.turn(50)
     flight.silence(3.0)
     assert flight.phase() is MissionPhase.FLYING
     flight.silence(0.1)
-    assert flight.phase() is MissionPhase.DONE
+    assert flight.phase() is MissionPhase.REACHING
     assert flight.loop.status.outcome is Outcome.LINK_LOST
     assert commands(flight) == [common.MAV_CMD_NAV_LAND]
+    for _ in range(30):
+        flight.silence(0.5)
+    assert flight.phase() is MissionPhase.REACHING
+    assert set(commands(flight)) == {common.MAV_CMD_NAV_LAND}
+    assert len(commands(flight)) > 10
+    flight.turn(18_150)  # heard again, where the wall has it
+    assert flight.phase() is MissionPhase.LANDING
+
+
+def test_without_images_a_vehicle_that_is_heard_again_lands_too(flight: MadeFlight) -> None:
+    flight.turn(50)
+    flight.silence(4.0)
+    assert flight.phase() is MissionPhase.REACHING
+    for _ in range(20):
+        flight.turn(50, image=False)
+    assert flight.phase() is MissionPhase.LANDING
+
+
+def test_a_vehicle_that_restarts_in_flight_is_said_to(flight: MadeFlight) -> None:
+    flight.turn(50)
+    flight.turn(19_000)
+    flight.turn(-19_000)
+    assert flight.loop.status.outcome is Outcome.RESTARTED
+    assert flight.loop.status.ended_us == 19_050_000
 
 
 def test_a_vehicle_that_stands_still_hears_its_answer_again(flight: MadeFlight) -> None:

@@ -18,6 +18,7 @@ VEHICLE: Address = ("10.0.0.1", 14580)
 class MemoryTransport:
     def __init__(self) -> None:
         self.closed = False
+        self.partner: Address | None = None
         self.waiting: list[Received] = []
         self.sent: list[tuple[bytes, Address | None]] = []
 
@@ -30,6 +31,9 @@ class MemoryTransport:
 
     def forget_backlog(self) -> None:
         self.waiting.clear()
+
+    def listen_only_to(self, partner: Address | None) -> None:
+        self.partner = partner
 
     def send(self, packets: bytes, address: Address | None) -> bool:
         self.sent.append((packets, address))

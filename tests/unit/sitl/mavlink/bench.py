@@ -19,6 +19,7 @@ FACTS = CameraFacts(
     field_of_view_deg=90,
     rate_hz=20.0,
 )
+EPOCH_US = 1_700_000_000_000_000
 
 
 class Peer:
@@ -76,7 +77,9 @@ class Bench:
         self.vehicle = FakeVehicle()
         self.gcs, self.api = Client(), Client()
         self.links = [link_to(self.gcs, 0), link_to(self.api, 1)]
-        self.endpoint = Endpoint(self.vehicle, self.links, system=1, camera=FACTS)
+        self.endpoint = Endpoint(
+            self.vehicle, self.links, system=1, camera=FACTS, unix_epoch_us=EPOCH_US
+        )
 
     def close(self) -> None:
         for client in (self.gcs, self.api):

@@ -13,7 +13,7 @@ from sitl.mavlink.wire.packets import Packed, Received, wrap
 from sitl.records.course import CourseEvent, CourseEventKind
 from sitl.records.images import ImageStamp
 from sitl.records.texts import StatusText
-from tests.unit.sitl.mavlink.bench import Bench
+from tests.unit.sitl.mavlink.bench import EPOCH_US, Bench
 
 GCS, ONBOARD = 6, 18
 ASKER, PING = (77, 7), 0xA5A5  # a system and component that nobody else is
@@ -76,6 +76,13 @@ def test_each_component_answers_commands_in_its_own_name(bench: Bench) -> None:
         answers = bench.gcs.take()
         assert [item.component for item in answers] == [component, component]
         assert answers[1].message.result == 0
+
+
+def test_a_time_that_is_asked_for_has_its_epoch(bench: Bench) -> None:
+    bench.gcs.send(mavlink.MAVLink_command_long_message(1, 1, 512, 0, 2, 0, 0, 0, 0, 0, 0))
+    bench.handle()
+    (told,) = [got.message for got in bench.gcs.take() if got.message.get_msgId() == 2]
+    assert told.time_unix_usec == EPOCH_US + bench.vehicle.time_us
 
 
 def test_a_refused_setpoint_is_told_at_once_and_reaches_nobody(bench: Bench) -> None:

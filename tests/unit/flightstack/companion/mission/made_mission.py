@@ -16,6 +16,7 @@ from flightstack.px4_modes import Px4Mode
 
 S = 1_000_000
 NOW = 100 * S
+UNSEEN_US = -1  # no heartbeat
 READY = Telemetry(
     custom_mode=Px4Mode.LOITER,
     armable=True,
@@ -46,15 +47,22 @@ class Mission:
         image_age_s: float = 0,
         hold: Hold | None = None,
         silent: bool = False,
+        gone: bool = False,
+        other: bool = False,
+        restarted_us: int | None = None,
     ) -> MissionPhase:
         now_us = NOW + round(after_s * S)
         beat_us = now_us if vehicle.heartbeat_us is None else vehicle.heartbeat_us
+        seen_us = None if beat_us == UNSEEN_US else beat_us
         situation = Situation(
-            vehicle=replace(vehicle, heartbeat_us=beat_us),
+            vehicle=replace(vehicle, heartbeat_us=seen_us),
             image_us=now_us - round(image_age_s * S),
-            hold=hold,
+            holds=() if hold is None else (hold,),
             stop_requested=stop,
             vehicle_silent=silent,
+            vehicle_gone=gone,
+            restarted_us=restarted_us,
+            other_pilot=other,
         )
         self.status, requests = advance(self.status, situation, now_us)
         self.requests += requests

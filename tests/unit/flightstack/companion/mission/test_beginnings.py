@@ -50,14 +50,42 @@ def test_leaves_a_mode_that_cannot_be_armed() -> None:
     assert mission.requests == [MissionRequest.HOLD_MODE]
 
 
-def test_goes_on_from_a_vehicle_that_is_armed_already() -> None:
-    mission = Mission()
+def test_goes_on_from_a_vehicle_that_is_armed_already_where_told_to() -> None:
+    mission = Mission(takes_over=True)
     assert mission.see(replace(READY, armed=True), 1) is MissionPhase.TAKING_OFF
     assert mission.requests == [MissionRequest.TAKE_OFF]
 
 
-def test_goes_on_from_a_vehicle_that_holds_in_the_air() -> None:
+@pytest.mark.parametrize("mode", [Px4Mode.LOITER, Px4Mode.OFFBOARD, Px4Mode.TAKEOFF, Px4Mode.LAND])
+def test_lands_what_a_flight_before_has_left_in_the_air(mode: Px4Mode) -> None:
     mission = Mission()
+    left = replace(AIRBORNE, custom_mode=mode)
+    assert mission.see(left, 2.9) is MissionPhase.WAITING
+    assert mission.see(left, 3.0) is MissionPhase.LANDING
+    assert mission.requests == [MissionRequest.LAND]
+    assert mission.status.outcome is Outcome.FOUND_ARMED
+
+
+@pytest.mark.parametrize("mode", list(Px4Mode))
+def test_disarms_what_it_finds_armed_on_the_ground(mode: Px4Mode) -> None:
+    mission = Mission()
+    assert mission.see(replace(READY, armed=True, custom_mode=mode), 3) is MissionPhase.LANDING
+    assert mission.requests == [MissionRequest.DISARM]
+    assert mission.see(READY, 4) is MissionPhase.DONE
+    assert mission.status.outcome is Outcome.FOUND_ARMED
+
+
+@pytest.mark.parametrize("takes_over", [False, True])
+def test_somebody_elses_vehicle_is_not_armed(takes_over: bool) -> None:  # noqa: FBT001
+    mission = Mission(takes_over=takes_over)
+    phase = mission.see(READY, 1, other=True)
+    assert phase is (MissionPhase.ARMING if takes_over else MissionPhase.DONE)
+    if not takes_over:
+        assert (mission.requests, mission.status.outcome) == ([], Outcome.OTHER_PILOT)
+
+
+def test_goes_on_from_a_vehicle_that_holds_in_the_air_where_told_to() -> None:
+    mission = Mission(takes_over=True)
     assert mission.see(AIRBORNE, 1) is MissionPhase.ENTERING_OFFBOARD
     assert mission.requests == [MissionRequest.OFFBOARD_MODE]
 

@@ -15,9 +15,12 @@ from tests.unit.flightstack.companion.mission.made_mission import (
     NOW,
     OFFBOARD,
     READY,
+    UNSEEN_US,
     Mission,
     S,
 )
+
+UNSEEN = replace(OFFBOARD, heartbeat_us=UNSEEN_US)  # since it fell silent
 
 
 @pytest.mark.parametrize(
@@ -86,10 +89,10 @@ def test_lands_when_no_images_come(phase: MissionPhase) -> None:
     assert mission.status.outcome is Outcome.CAMERA_LOST
 
 
-def test_lands_when_heartbeats_stop() -> None:
+def test_lands_when_heartbeats_alone_stop_for_long() -> None:
     mission = Mission(MissionPhase.FLYING)
-    assert mission.see(replace(OFFBOARD, heartbeat_us=NOW), 3.0) is MissionPhase.FLYING
-    assert mission.see(replace(OFFBOARD, heartbeat_us=NOW), 3.1) is MissionPhase.LANDING
+    assert mission.see(replace(OFFBOARD, heartbeat_us=NOW), 10.0) is MissionPhase.FLYING
+    assert mission.see(replace(OFFBOARD, heartbeat_us=NOW), 10.1) is MissionPhase.LANDING
     assert mission.status.outcome is Outcome.LINK_LOST
 
 
@@ -197,11 +200,67 @@ def test_a_flight_of_a_simulation_ends_in_the_air(vehicle: Telemetry) -> None:
     assert mission.status.outcome is not None
 
 
-def test_a_silent_vehicle_ends_any_flight_and_its_outcome() -> None:
-    mission = landing(ended_us=NOW)
-    assert mission.see(OFFBOARD, 1, silent=True) is MissionPhase.DONE
-    assert (mission.status.outcome, mission.status.ended_us) == (Outcome.LINK_LOST, NOW)
+def test_a_silent_vehicle_is_called_until_it_is_heard_and_lands() -> None:
+    mission = Mission(MissionPhase.FLYING)
+    assert mission.see(UNSEEN, 1, silent=True) is MissionPhase.REACHING
     assert mission.requests == [MissionRequest.LAND]
+    assert mission.status.ended_us == NOW + S
+    for second in range(2, 8):
+        assert mission.see(UNSEEN, second, silent=True) is MissionPhase.REACHING
+    assert mission.requests == [MissionRequest.LAND] * 3
+    assert mission.see(UNSEEN, 7.5) is MissionPhase.REACHING  # heard, but not its heartbeat
+    assert mission.see(OFFBOARD, 8) is MissionPhase.LANDING
+    assert mission.requests[3:] == [MissionRequest.LAND]
+    assert mission.see(READY, 20) is MissionPhase.DONE
+    assert (mission.status.outcome, mission.status.ended_us) == (Outcome.LINK_LOST, NOW + S)
+
+
+def test_a_silent_vehicle_is_called_for_minutes_not_for_ever() -> None:
+    mission = Mission(MissionPhase.FLYING)
+    assert mission.see(UNSEEN, 1, silent=True) is MissionPhase.REACHING
+    assert mission.see(UNSEEN, 301, silent=True) is MissionPhase.REACHING
+    assert mission.see(UNSEEN, 302, silent=True) is MissionPhase.DONE
+    assert mission.status.outcome is Outcome.LINK_LOST
+
+
+def test_a_vehicle_that_has_landed_itself_meanwhile_is_done() -> None:
+    mission = Mission(MissionPhase.REACHING, outcome=Outcome.LINK_LOST)
+    assert mission.see(READY, 1) is MissionPhase.DONE
+    assert mission.requests == []
+
+
+def test_a_vehicle_that_somebody_has_taken_meanwhile_is_left_to_them() -> None:
+    mission = Mission(MissionPhase.REACHING, outcome=Outcome.LINK_LOST)
+    flown = replace(AIRBORNE, custom_mode=Px4Mode.POSITION)
+    assert mission.see(flown, 1) is MissionPhase.TAKEN_OVER
+    assert mission.requests == []
+
+
+def test_an_end_that_has_closed_for_good_is_not_called() -> None:
+    mission = Mission(MissionPhase.FLYING)
+    assert mission.see(UNSEEN, 1, silent=True, gone=True) is MissionPhase.REACHING
+    assert mission.see(UNSEEN, 1, silent=True, gone=True) is MissionPhase.DONE
+
+
+def test_a_silent_vehicle_that_was_not_touched_is_left_alone() -> None:
     waiting = Mission()
     assert waiting.see(READY, 1, silent=True) is MissionPhase.DONE
     assert (waiting.status.outcome, waiting.requests) == (Outcome.LINK_LOST, [])
+    simulated = Mission(MissionPhase.FLYING, lands=False)
+    assert simulated.see(UNSEEN, 1, silent=True) is MissionPhase.DONE
+
+
+def test_a_vehicle_that_restarts_is_said_to_have_restarted() -> None:
+    mission = Mission(MissionPhase.FLYING)
+    mission.see(OFFBOARD, 5)
+    assert mission.see(UNSEEN, -99, restarted_us=NOW + 5 * S) is MissionPhase.REACHING
+    assert mission.status.ended_us == NOW + 5 * S
+    assert mission.see(READY, -98) is MissionPhase.DONE
+    assert mission.status.outcome is Outcome.RESTARTED
+
+
+@pytest.mark.parametrize("phase", IN_FLIGHT)
+def test_a_vehicle_that_somebody_else_steers_is_let_go(phase: MissionPhase) -> None:
+    mission = Mission(phase)
+    assert mission.see(OFFBOARD, 1, other=True) is MissionPhase.DONE
+    assert (mission.requests, mission.status.outcome) == ([], Outcome.OTHER_PILOT)

@@ -81,7 +81,6 @@ def test_the_float_messages_work_too(client: Client) -> None:
         (count(33, 2), RESULT.NO_SPACE),
         (count(1, 77), RESULT.UNSUPPORTED),
         (request_list(77), RESULT.UNSUPPORTED),
-        (item(0), RESULT.ERROR),  # nobody asked for it
         (mavlink.MAVLink_mission_clear_all_message(1, 1, 255), RESULT.ACCEPTED),
         (mavlink.MAVLink_mission_clear_all_message(1, 1, 0), RESULT.ACCEPTED),
         (mavlink.MAVLink_mission_clear_all_message(1, 1, 9), RESULT.UNSUPPORTED),
@@ -156,18 +155,23 @@ def test_a_wrong_sequence_number_is_passed_over(client: Client, sequence: int) -
     assert answer(client.send(item(1))) == ("MISSION_ACK", RESULT.ACCEPTED)
 
 
-def test_an_item_of_another_list_is_passed_over(client: Client) -> None:
+def test_an_item_of_another_list_is_refused(client: Client) -> None:
     client.send(count(1))
-    assert client.send(item(0, kind=1)) == []
+    assert answer(client.send(item(0, kind=1))) == ("MISSION_ACK", RESULT.ERROR)
     assert answer(client.send(item(0))) == ("MISSION_ACK", RESULT.ACCEPTED)
 
 
 def test_another_system_cannot_come_in_between(client: Client) -> None:
     client.send(count(2))
     assert answer(client.send(count(1), 7)) == ("MISSION_ACK", RESULT.ERROR)
-    assert answer(client.send(item(0, x=1), 7)) == ("MISSION_ACK", RESULT.ERROR)
-    clear = mavlink.MAVLink_mission_clear_all_message(1, 1, 0)
-    assert answer(client.send(clear, 7)) == ("MISSION_ACK", RESULT.ERROR)
+    assert client.send(item(0, x=1), 7) == []
+    assert client.send(mavlink.MAVLink_mission_clear_all_message(1, 1, 0), 7) == []
+    assert client.send(mavlink.MAVLink_mission_set_current_message(1, 1, 0), 7) == []
+    assert [text.text for text in client.said] == [
+        "REJ. MIS ITEM: partner id mismatch\t",
+        "WPM: IGN CLEAR CMD: Busy\t",
+        "WPM: IGN WP CURR CMD: Busy\t",
+    ]
     assert client.send(acknowledgement(RESULT.CANCELLED), 7) == []
     client.send(item(0))
     assert answer(client.send(item(1))) == ("MISSION_ACK", RESULT.ACCEPTED)

@@ -1,0 +1,79 @@
+"""Turn what a pilot decides into the velocities to send, and its failures into a hold."""
+
+from dataclasses import replace
+
+from flightstack.companion.guards.patience import FramePatience
+from flightstack.companion.mission.hold import hold_for_late_part, hold_for_part
+from flightstack.companion.mission.records import Hold, Outcome
+from flightstack.companion.piloting.failure import PartFailure
+from flightstack.companion.piloting.protocols import GuardedPilot
+from flightstack.companion.reporter import Reporter
+from flightstack.companion.vehicle_session import VehicleSession
+from flightstack.companion.waiting import Readable
+from flightstack.mavlink.offboard import STILL, Velocities
+from flightstack.records import Image
+
+PART = Outcome.PART_FAILED
+
+
+class Steering:
+    """Asks the pilot for each image; `holds` are the loop's, by reason."""
+
+    def __init__(
+        self,
+        pilot: GuardedPilot,
+        vehicle: VehicleSession,
+        reporter: Reporter,
+        holds: dict[Outcome, Hold],
+        *,
+        speed_scale: float = 1.0,
+    ) -> None:
+        self._pilot, self._vehicle, self._reporter = pilot, vehicle, reporter
+        self._holds = holds
+        self._speed_scale = speed_scale
+        self._decided_us: int | None = None  # stamp of the image of the newest decision
+        self._velocities = STILL  # of it
+
+    @property
+    def may_decide(self) -> bool:
+        """Whether nothing but the pilot itself has the vehicle held."""
+        return self._holds.keys() <= {PART}
+
+    def decide(self, image: Image, camera: Readable) -> Velocities:
+        """Say what answers this image."""
+        if self._decided_us is None:
+            self._decided_us = image.stamp_us
+        patience = FramePatience(self._vehicle, camera, image.stamp_us)
+        decision = self._pilot.decide(image, patience)
+        if isinstance(decision, PartFailure):
+            return self._hold_for(decision, image.stamp_us)
+        if decision is None:
+            return self._go_on_without(image.stamp_us)
+        self._decided_us = image.stamp_us
+        self._holds.pop(PART, None)
+        decision = replace(decision, command=decision.command * self._speed_scale)
+        self._vehicle.explain(decision, image.stamp_us)
+        self._reporter.note_decision(decision)
+        forward, right, down, yaw_rate = decision.command.tolist()
+        self._velocities = (forward, right, down, yaw_rate)
+        return self._velocities
+
+    def stand_still(self, image: Image) -> Velocities:
+        """Look after the pilot while the vehicle is to stand still."""
+        failure = self._pilot.check()
+        return STILL if failure is None else self._hold_for(failure, image.stamp_us)
+
+    def _hold_for(self, failure: PartFailure, now_us: int) -> Velocities:
+        """Hold for a part that gave nothing; the next good decision takes it back."""
+        self._reporter.warn_once(f"{failure}: the vehicle is held")
+        self._holds.setdefault(PART, hold_for_part(now_us))
+        return STILL
+
+    def _go_on_without(self, now_us: int) -> Velocities:
+        """Repeat the last decision while the pilot thinks, for as long as for a late image."""
+        hold = hold_for_late_part(self._decided_us or now_us, now_us)
+        if hold is None:
+            return self._velocities
+        self._reporter.warn_once("the pilot's answer is late: the vehicle is held")
+        self._holds.setdefault(PART, hold)
+        return STILL
