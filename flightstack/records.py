@@ -33,6 +33,18 @@ class Image:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Pose:
+    """Where the vehicle says that it was at one moment."""
+
+    time_us: int
+    position_ned: tuple[float, float, float]  # m
+    velocity_ned: tuple[float, float, float]  # m/s
+    roll_rad: float
+    pitch_rad: float
+    yaw_rad: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ActionSamples:
     """The posterior predictive: N x M Gaussians over each of the 4 velocities."""
 

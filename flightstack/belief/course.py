@@ -4,17 +4,20 @@ Geometry is learned from positions, never from headings that were seen: those ar
 looks the same from behind. Left and right are told by the course's heading.
 """
 
+import itertools
 import math
 
 import numpy as np
 from jaxtyping import Bool, Float64
 from numpy.typing import NDArray
 
-from flightstack.belief.records import Belief, GateTracks, NextGate, PassedGate, Pose
+from flightstack.belief.records import Belief, GateTracks, NextGate, PassedGate
 from flightstack.belief.settings import CourseSettings
 from flightstack.frames import wrap_pi
+from flightstack.records import Pose
 
-Weights = Float64[NDArray[np.float64], "T"]
+Weights = Float64[NDArray[np.float64], " T"]
+Flags = Bool[NDArray[np.bool_], " T"]
 LEARNED = 3  # gates passed, from which on chords and turns are known
 SIDES = {"left": -1.0, "right": 1.0}
 
@@ -36,10 +39,11 @@ class Geometry:
         if len(chords):
             self.chord_m = float(np.mean(np.linalg.norm(chords, axis=1)))
         if self.is_learned:
-            turns = [wrap_pi(b - a) for a, b in zip(directions, directions[1:], strict=False)]
+            turns = [wrap_pi(b - a) for a, b in itertools.pairwise(directions)]
             self.turn_rad = float(np.mean(turns))
         last = passed[-1] if passed else None
-        self.last_ned = None if last is None else np.array(last.position_ned)
+        self.last_ned = np.array((0.0, 0.0, 0.0) if last is None else last.position_ned)
+        self.has_begun = last is not None
         if self.is_learned:
             self.axis_rad = wrap_pi(directions[-1] + self.turn_rad / 2.0)
         else:
@@ -57,28 +61,28 @@ class Geometry:
 
     def expected_ned(self) -> NDArray[np.float64] | None:
         """Where the next gate is expected; None before the first was passed."""
-        if self.last_ned is None:
+        if not self.has_begun:
             return None
         return self.last_ned + _step(self.direction_rad, self.chord_m)
 
 
-def weigh(
-    belief: Belief, pose: Pose, settings: CourseSettings, pair_side: str | None
-) -> Weights:
-    """Return how well each track would be the next gate, as log-weights; -inf where it cannot be."""
+def weigh(belief: Belief, pose: Pose, settings: CourseSettings, pair_side: str | None) -> Weights:
+    """Return how well each track would be the next gate: log-weights, -inf where it cannot be."""
     tracks = belief.tracks
     geometry = Geometry(belief.passed, settings)
     weights = -np.logaddexp(0.0, -tracks.log_odds)
     weights = np.where(tracks.log_odds >= settings.min_existence, weights, -np.inf)
     recent = [gate.number for gate in belief.passed[-settings.recent :]]
     weights[np.isin(tracks.number, recent)] = -np.inf
-    if geometry.last_ned is None:
+    if not geometry.has_begun:
         weights += _first(tracks, pose, settings)
         course_rad = pose.yaw_rad
     else:
         weights += _after(tracks, geometry, settings)
         course_rad = geometry.next_axis_rad
-        near = np.linalg.norm(tracks.position_ned - geometry.last_ned, axis=1) < settings.pair_gap_m[0]
+        near = (
+            np.linalg.norm(tracks.position_ned - geometry.last_ned, axis=1) < settings.pair_gap_m[0]
+        )
         weights[near] = -np.inf  # the gate that was just passed, under another number
     if pair_side is not None:
         wrong = wrong_side(tracks, course_rad, SIDES[pair_side], settings)
@@ -93,14 +97,16 @@ def weigh(
 
 def wrong_side(
     tracks: GateTracks, course_rad: float, side: float, settings: CourseSettings
-) -> Bool[NDArray[np.bool_], "T"]:
+) -> Flags:
     """Say which gates have a twin on the side that the mission states (-1 left, 1 right)."""
     axis_n, axis_e = math.cos(course_rad), math.sin(course_rad)
     offset = tracks.position_ned[None] - tracks.position_ned[:, None]
     ahead = offset[..., 0] * axis_n + offset[..., 1] * axis_e
     right = -offset[..., 0] * axis_e + offset[..., 1] * axis_n
     nearest, farthest = settings.pair_gap_m
-    twin = (np.abs(ahead) < settings.pair_ahead_m) & (np.abs(offset[..., 2]) < settings.pair_height_m)
+    twin = (np.abs(ahead) < settings.pair_ahead_m) & (
+        np.abs(offset[..., 2]) < settings.pair_height_m
+    )
     twin &= (right * side > nearest) & (right * side < farthest)
     twin &= (tracks.log_odds >= settings.min_existence)[None]
     return np.asarray(twin.any(axis=1))
@@ -115,7 +121,7 @@ def describe(
     centre = tracks.mean[row, :3]
     if belief.target == int(tracks.number[row]) and not geometry.is_learned:
         prior = belief.axis_rad
-    elif geometry.last_ned is None:
+    elif not geometry.has_begun:
         toward = centre - np.array(pose.position_ned)
         prior = math.atan2(toward[1], toward[0])
     elif geometry.is_learned:
@@ -123,7 +129,9 @@ def describe(
     else:
         chord = centre - geometry.last_ned
         prior = math.atan2(chord[1], chord[0])
-    axis, std = _fused_axis(float(tracks.heading_rad[row]), float(tracks.heading_var[row]), prior, geometry.axis_std_rad)
+    axis, std = _fused_axis(
+        float(tracks.heading_rad[row]), float(tracks.heading_var[row]), prior, geometry.axis_std_rad
+    )
     return NextGate(
         number=int(tracks.number[row]),
         position_ned=centre,
@@ -170,14 +178,14 @@ def _after(tracks: GateTracks, geometry: Geometry, settings: CourseSettings) -> 
     )
 
 
-def _is_locked(
-    tracks: GateTracks, target: int, pose: Pose, settings: CourseSettings
-) -> Bool[NDArray[np.bool_], "T"]:
+def _is_locked(tracks: GateTracks, target: int, pose: Pose, settings: CourseSettings) -> Flags:
     near = np.linalg.norm(tracks.position_ned - np.array(pose.position_ned), axis=1)
     return np.asarray((tracks.number == target) & (near < settings.lock_m))
 
 
-def _fused_axis(seen: float, seen_var: float, prior: float, prior_std: float) -> tuple[float, float]:
+def _fused_axis(
+    seen: float, seen_var: float, prior: float, prior_std: float
+) -> tuple[float, float]:
     """Fuse a heading modulo pi with what the course says, which knows the direction of travel."""
     difference = math.remainder(seen - prior, math.pi)
     share = prior_std**2 / (prior_std**2 + seen_var)

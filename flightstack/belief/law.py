@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from flightstack.belief.settings import LawSettings
 
 Points = Float64[NDArray[np.float64], "M 3"]
-Angles = Float64[NDArray[np.float64], "M"]
+Angles = Float64[NDArray[np.float64], " M"]
 AXIS_M = 0.5  # nearer, the bearing of a gate spins; its axis does not
 
 
-def velocities(  # noqa: PLR0913  the law's arguments
+def velocities(
     gate: Points,
     axis_rad: Angles,
     following: Points,
@@ -45,7 +45,9 @@ def velocities(  # noqa: PLR0913  the law's arguments
     turn = _wrapped(np.arctan2(after[:, 1], after[:, 0]) - to_gate)
     error = _wrapped(to_gate + share * turn - yaw_rad)
     limit = law.max_yaw_rate_rad_s
-    return np.stack([north, east, vertical], axis=1), np.clip(law.yaw_gain_1_s * error, -limit, limit)
+    return np.stack([north, east, vertical], axis=1), np.clip(
+        law.yaw_gain_1_s * error, -limit, limit
+    )
 
 
 def _wrapped(angle: Angles) -> Angles:

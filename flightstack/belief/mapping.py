@@ -13,14 +13,14 @@ import numpy as np
 from jaxtyping import Float64
 from numpy.typing import NDArray
 
-from flightstack.belief.records import GateTracks, Pose
+from flightstack.belief.records import GateTracks
 from flightstack.belief.settings import MapSettings
-from flightstack.records import GateDetections
+from flightstack.records import GateDetections, Pose
 
 EYE3, EYE6 = np.eye(3), np.eye(6)
 Matrices = Float64[NDArray[np.float64], "K 3 3"]
 Points = Float64[NDArray[np.float64], "K 3"]
-PerGate = Float64[NDArray[np.float64], "K"]
+PerGate = Float64[NDArray[np.float64], " K"]
 
 
 class Sighting(NamedTuple):
@@ -53,9 +53,7 @@ def sighting_of(detections: GateDetections, pose: Pose, settings: MapSettings) -
     rotation = rotation_of(pose)
     range_m = np.linalg.norm(detections.position_frd, axis=1)
     offset = detections.position_frd @ rotation.T
-    covariance = settings.covariance_factor * (
-        rotation @ detections.covariance_frd @ rotation.T
-    )
+    covariance = settings.covariance_factor * (rotation @ detections.covariance_frd @ rotation.T)
     along = offset / np.maximum(range_m, 1e-6)[:, None]
     outer = along[:, :, None] * along[:, None, :]
     lateral = settings.lateral_floor_m[0] + settings.lateral_floor_m[1] * range_m
@@ -118,9 +116,7 @@ def observe(
     return kept, numbers + len(free)
 
 
-def associate(
-    tracks: GateTracks, seen: Sighting, settings: MapSettings
-) -> list[tuple[int, int]]:
+def associate(tracks: GateTracks, seen: Sighting, settings: MapSettings) -> list[tuple[int, int]]:
     """Pair tracks with detections: (row, column), the nearest first, each at most once."""
     if not len(tracks) or not len(seen.score):
         return []
@@ -213,7 +209,7 @@ def _born(
 
 def _merged(tracks: GateTracks, settings: MapSettings) -> GateTracks:
     """Keep of tracks that stand in each other the one that was seen more often."""
-    if len(tracks) < 2:  # noqa: PLR2004  one is alone
+    if len(tracks) < 2:
         return tracks
     offset = tracks.position_ned[:, None] - tracks.position_ned[None]
     near = np.linalg.norm(offset, axis=2) < settings.merge_m
@@ -246,6 +242,6 @@ def _capped(
     return covariance * factor[:, None, None]
 
 
-def _half_turn(angle: Float64[NDArray[np.float64], "K"]) -> Float64[NDArray[np.float64], "K"]:
+def _half_turn(angle: PerGate) -> PerGate:
     """Wrap into [-pi/2, pi/2)."""
     return np.mod(angle + np.pi / 2.0, np.pi) - np.pi / 2.0

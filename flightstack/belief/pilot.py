@@ -5,7 +5,7 @@ the estimate says of the velocity beyond what its position does is added, and wh
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float64
@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from flightstack.belief.course import Geometry, describe, has_passed, weigh
 from flightstack.belief.law import velocities
 from flightstack.belief.mapping import observe, predict, sighting_of
-from flightstack.belief.records import Belief, NextGate, PassedGate, Pose
+from flightstack.belief.records import Belief, NextGate, PassedGate
 from flightstack.belief.settings import CourseSettings, LawSettings, MapSettings
 from flightstack.frames import wrap_pi
-from flightstack.records import ActionSamples, GateDetections
+from flightstack.records import ActionSamples, GateDetections, Pose
 
 SECOND_US = 1_000_000
 MIN_VARIANCE = 1e-6
@@ -27,9 +27,9 @@ MIN_VARIANCE = 1e-6
 class BeliefSettings:
     """All numbers of a pilot on belief."""
 
-    map: MapSettings = MapSettings()
-    course: CourseSettings = CourseSettings()
-    law: LawSettings = LawSettings()
+    map: MapSettings = field(default_factory=MapSettings)
+    course: CourseSettings = field(default_factory=CourseSettings)
+    law: LawSettings = field(default_factory=LawSettings)
     samples: int = 32
     pair_side: str | None = None  # "left" or "right": which of two gates side by side is meant
 
@@ -42,9 +42,7 @@ class Motion:
     displacement_m_s: tuple[float, float, float]  # of the position told, over the last moments
 
 
-def see(
-    belief: Belief, detections: GateDetections, pose: Pose, settings: BeliefSettings
-) -> Belief:
+def see(belief: Belief, detections: GateDetections, pose: Pose, settings: BeliefSettings) -> Belief:
     """Take in what one image shows, from the pose of its own stamp."""
     elapsed_s = 0.0 if belief.time_us < 0 else (pose.time_us - belief.time_us) / SECOND_US
     tracks = predict(belief.tracks, min(max(elapsed_s, 0.0), 1.0), settings.map)
@@ -55,10 +53,8 @@ def see(
     )
 
 
-def choose(
-    belief: Belief, pose: Pose, settings: BeliefSettings
-) -> tuple[Belief, NextGate | None]:
-    """Decide which gate is next; a gate that has been passed is noted, and the one after it next."""
+def choose(belief: Belief, pose: Pose, settings: BeliefSettings) -> tuple[Belief, NextGate | None]:
+    """Decide which gate is next; one that has been passed is noted, and the one after it is."""
     for _ in range(2):
         found = _likeliest(belief, pose, settings)
         if found is None:
@@ -154,7 +150,7 @@ def _search(
 
 def _in_body(
     velocity_ned: Float64[NDArray[np.float64], "M 3"],
-    yaw_rates: Float64[NDArray[np.float64], "M"],
+    yaw_rates: Float64[NDArray[np.float64], " M"],
     yaw_rad: float,
     law: LawSettings,
 ) -> ActionSamples:

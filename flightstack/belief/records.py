@@ -1,4 +1,4 @@
-"""The frozen records of a belief. Frames: the estimate's local NED, in which telemetry tells positions.
+"""The frozen records of a belief, in the local NED in which telemetry tells positions.
 
 Gates stand still in it but for the estimate's drift. Headings of gates count modulo pi.
 """
@@ -9,23 +9,11 @@ import numpy as np
 from jaxtyping import Float64, Int64
 from numpy.typing import NDArray
 
-Vector = Float64[NDArray[np.float64], "3"]
-Columns = Float64[NDArray[np.float64], "T"]
+Vector = Float64[NDArray[np.float64], " 3"]
+Columns = Float64[NDArray[np.float64], " T"]
 States = Float64[NDArray[np.float64], "T 6"]
 StateCovariances = Float64[NDArray[np.float64], "T 6 6"]
-Numbers = Int64[NDArray[np.int64], "T"]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Pose:
-    """Where the vehicle says that it was at one moment."""
-
-    time_us: int
-    position_ned: tuple[float, float, float]  # m
-    velocity_ned: tuple[float, float, float]  # m/s
-    roll_rad: float
-    pitch_rad: float
-    yaw_rad: float
+Numbers = Int64[NDArray[np.int64], " T"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

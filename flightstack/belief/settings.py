@@ -1,4 +1,4 @@
-"""The numbers of the belief; those that a trial on validation tracks chose say so in docs/belief.md."""
+"""The numbers of the belief; docs/belief.md says which were chosen on validation tracks."""
 
 from dataclasses import dataclass
 

@@ -38,7 +38,9 @@ def decode(cells: Cells, calibration: DetectionCalibration) -> GateDetections:
     log_range = np.clip(told[RANGE], np.log(MIN_RANGE_M), np.log(MAX_RANGE_M))
     kept = _distinct(u, v, log_range)
     variances = np.exp(told[LOGVARS][:, kept]) * _factors(calibration)[:, None]
-    return _gates(u[kept], v[kept], log_range[kept], told[:, kept], variances, score[rows, columns][kept])
+    return _gates(
+        u[kept], v[kept], log_range[kept], told[:, kept], variances, score[rows, columns][kept]
+    )
 
 
 def _factors(calibration: DetectionCalibration) -> NDArray[np.float64]:
@@ -63,7 +65,7 @@ def _distinct(
     return kept
 
 
-def _gates(  # noqa: PLR0913  columns of one table
+def _gates(
     u: NDArray[np.float64],
     v: NDArray[np.float64],
     log_range: NDArray[np.float64],

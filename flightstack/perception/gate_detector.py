@@ -1,4 +1,4 @@
-"""The set-valued gate detector, trained and ready: an image to a set of gates with uncertainties."""
+"""The gate detector, trained and ready: an image to a set of gates with uncertainties."""
 
 import torch
 

@@ -1,4 +1,4 @@
-"""The gate detector's network: an image to what each of 16 x 16 cells knows of a gate centred in it.
+"""The gate detector's network: an image to what each of 16 x 16 cells knows of a gate in it.
 
 A small pyramid: down to 4 x 4 for what is large and near, and up again for what is small and far.
 Each cell gives a score, the centre's place in it, the logarithm of the distance, twice the angle

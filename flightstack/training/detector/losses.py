@@ -34,11 +34,13 @@ class Targets(NamedTuple):
 
     is_gate: Bool[Tensor, "B 16 16"]
     is_near: Bool[Tensor, "B 16 16"]  # to a gate's cell: neither right nor wrong
-    values: Float[Tensor, "B 5 16 16"]  # u, v in cells, log distance, cos and sin of twice the angle
+    values: Float[
+        Tensor, "B 5 16 16"
+    ]  # u, v in cells, log distance, cos and sin of twice the angle
 
 
 def targets_of(labels: Float[Tensor, "B G 4"]) -> Targets:
-    """Lay labels (u, v in px, distance, angle; NaN where there is none) into cells, nearest first."""
+    """Lay labels (u, v in px, distance, angle; NaN where there is none) into cells."""
     count, most, _ = labels.shape
     is_gate = torch.zeros(count, CELLS, CELLS, dtype=torch.bool)
     values = torch.zeros(count, 5, CELLS, CELLS)

@@ -192,8 +192,8 @@ def labels_of(gates: tuple[Gate, ...], position: Vector3, attitude: Quaternion) 
 
 
 def _beside(gate: Gate, gap_m: float, rng: np.random.Generator) -> Gate:
-    """A twin to the left or right."""
-    side = gap_m if rng.random() < 0.5 else -gap_m  # noqa: PLR2004  as often as not
+    """Put a twin to the left or right."""
+    side = gap_m if rng.random() < 0.5 else -gap_m
     north, east, down = gate.centre_ned
     centre = (
         north - side * math.sin(gate.yaw_rad),
