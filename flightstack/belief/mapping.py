@@ -244,4 +244,4 @@ def _capped(
 
 def _half_turn(angle: PerGate) -> PerGate:
     """Wrap into [-pi/2, pi/2)."""
-    return np.mod(angle + np.pi / 2.0, np.pi) - np.pi / 2.0
+    return np.asarray(np.mod(angle + np.pi / 2.0, np.pi) - np.pi / 2.0)

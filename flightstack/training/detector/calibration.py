@@ -21,6 +21,7 @@ CHI2_90 = 2.7055
 NEAR_PX, NEAR_LOG_RANGE = 6.0, 0.35  # a detection that is a gate's
 BANDS_M = ((0.45, 1.0), (1.0, 2.0), (2.0, 4.0), (4.0, 7.0), (7.0, 12.0))
 Column = NDArray[np.float64]
+UNSEEN = np.full(4, np.nan)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

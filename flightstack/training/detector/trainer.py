@@ -76,7 +76,8 @@ def train_detector(
         score, value = validate(network, validation)
         wall_s = time.monotonic() - began_s
         say(Epoch(number=number, score_loss=score, value_loss=value, wall_s=wall_s))
-    return network.eval()
+    network.eval()
+    return network
 
 
 def validate(network: GateNetwork, scenes: Scenes) -> tuple[float, float]:
