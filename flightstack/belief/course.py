@@ -119,18 +119,20 @@ def describe(
     tracks = belief.tracks
     geometry = Geometry(belief.passed, settings)
     centre = tracks.mean[row, :3]
-    if belief.target == int(tracks.number[row]) and not geometry.is_learned:
-        prior = belief.axis_rad
-    elif not geometry.has_begun:
-        toward = centre - np.array(pose.position_ned)
-        prior = math.atan2(toward[1], toward[0])
+    if not geometry.has_begun:
+        is_target = belief.target == int(tracks.number[row])
+        prior = belief.approach_rad if is_target else bearing(centre, pose)
     elif geometry.is_learned:
         prior = geometry.next_axis_rad
     else:
         chord = centre - geometry.last_ned
         prior = math.atan2(chord[1], chord[0])
     axis, std = _fused_axis(
-        float(tracks.heading_rad[row]), float(tracks.heading_var[row]), prior, geometry.axis_std_rad
+        float(tracks.heading_rad[row]),
+        float(tracks.heading_var[row]),
+        prior,
+        geometry.axis_std_rad,
+        settings.max_axis_rad,
     )
     return NextGate(
         number=int(tracks.number[row]),
@@ -142,6 +144,12 @@ def describe(
         following_ned=centre + _step(axis + geometry.turn_rad / 2.0, geometry.chord_m),
         probability=probability,
     )
+
+
+def bearing(place: NDArray[np.float64], pose: Pose) -> float:
+    """Return the heading from the vehicle to a place, rad."""
+    north, east = place[:2] - np.array(pose.position_ned[:2])
+    return math.atan2(east, north)
 
 
 def has_passed(gate: NextGate, pose: Pose, settings: CourseSettings) -> bool:
@@ -157,8 +165,8 @@ def _first(tracks: GateTracks, pose: Pose, settings: CourseSettings) -> Weights:
     """Before any was passed: the nearest ahead of the nose."""
     offset = tracks.position_ned - np.array(pose.position_ned)
     distance = np.linalg.norm(offset, axis=1)
-    bearing = np.arctan2(offset[:, 1], offset[:, 0]) - pose.yaw_rad
-    turned = np.mod(bearing + np.pi, 2.0 * np.pi) - np.pi
+    aside = np.arctan2(offset[:, 1], offset[:, 0]) - pose.yaw_rad
+    turned = np.mod(aside + np.pi, 2.0 * np.pi) - np.pi
     return np.asarray(
         -0.5 * (distance / settings.first_range_m) ** 2
         - 0.5 * (turned / settings.first_bearing_std_rad) ** 2
@@ -170,8 +178,8 @@ def _after(tracks: GateTracks, geometry: Geometry, settings: CourseSettings) -> 
     del settings
     offset = tracks.position_ned - geometry.last_ned
     distance = np.linalg.norm(offset[:, :2], axis=1)
-    bearing = np.arctan2(offset[:, 1], offset[:, 0]) - geometry.direction_rad
-    turned = np.mod(bearing + np.pi, 2.0 * np.pi) - np.pi
+    aside = np.arctan2(offset[:, 1], offset[:, 0]) - geometry.direction_rad
+    turned = np.mod(aside + np.pi, 2.0 * np.pi) - np.pi
     return np.asarray(
         -0.5 * ((distance - geometry.chord_m) / geometry.chord_std_m) ** 2
         - 0.5 * (turned / geometry.turn_std_rad) ** 2
@@ -184,12 +192,13 @@ def _is_locked(tracks: GateTracks, target: int, pose: Pose, settings: CourseSett
 
 
 def _fused_axis(
-    seen: float, seen_var: float, prior: float, prior_std: float
+    seen: float, seen_var: float, prior: float, prior_std: float, max_rad: float
 ) -> tuple[float, float]:
     """Fuse a heading modulo pi with what the course says, which knows the direction of travel."""
     difference = math.remainder(seen - prior, math.pi)
     share = prior_std**2 / (prior_std**2 + seen_var)
-    return wrap_pi(prior + share * difference), prior_std * math.sqrt(1.0 - share)
+    turned = share * max(-max_rad, min(max_rad, difference))
+    return wrap_pi(prior + turned), prior_std * math.sqrt(1.0 - share)
 
 
 def _step(direction_rad: float, length_m: float) -> NDArray[np.float64]:

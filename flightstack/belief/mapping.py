@@ -155,7 +155,9 @@ def _update(
     heading, heading_var = tracks.heading_rad.copy(), tracks.heading_var.copy()
     share = heading_var[rows] / (heading_var[rows] + seen.heading_var[columns])
     heading[rows] += share * _half_turn(seen.heading_rad[columns] - heading[rows])
-    heading_var[rows] *= 1.0 - share
+    heading_var[rows] = np.maximum(
+        heading_var[rows] * (1.0 - share), settings.min_heading_std_rad**2
+    )
     log_odds, hits = tracks.log_odds.copy(), tracks.hits.copy()
     log_odds[rows] += settings.hit_log_odds * seen.score[columns]
     hits[rows] += 1
@@ -201,7 +203,7 @@ def _born(
         mean=mean,
         covariance=covariance,
         heading_rad=seen.heading_rad[columns],
-        heading_var=seen.heading_var[columns],
+        heading_var=np.maximum(seen.heading_var[columns], settings.min_heading_std_rad**2),
         log_odds=np.full(count, settings.birth_log_odds),
         hits=np.ones(count, np.int64),
     )

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float64
 from numpy.typing import NDArray
 
-from flightstack.belief.course import Geometry, describe, has_passed, weigh
+from flightstack.belief.course import Geometry, bearing, describe, has_passed, weigh
 from flightstack.belief.law import velocities
 from flightstack.belief.mapping import observe, predict, sighting_of
 from flightstack.belief.records import Belief, NextGate, PassedGate
@@ -60,7 +60,7 @@ def choose(belief: Belief, pose: Pose, settings: BeliefSettings) -> tuple[Belief
         if found is None:
             return replace(belief, target=None), None
         if not has_passed(found, pose, settings.course):
-            return replace(belief, target=found.number, axis_rad=found.axis_rad), found
+            return _aiming(belief, found, pose), found
         north, east, down = found.position_ned.tolist()
         passed = PassedGate(
             number=found.number, position_ned=(north, east, down), axis_rad=found.axis_rad
@@ -128,6 +128,13 @@ def _likeliest(belief: Belief, pose: Pose, settings: BeliefSettings) -> NextGate
     return describe(belief, best, float(1.0 / share.sum()), pose, settings.course)
 
 
+def _aiming(belief: Belief, gate: NextGate, pose: Pose) -> Belief:
+    if belief.target == gate.number:
+        return belief
+    approach_rad = bearing(gate.position_ned, pose)
+    return replace(belief, target=gate.number, approach_rad=approach_rad)
+
+
 def _search(
     belief: Belief, pose: Pose, settings: BeliefSettings
 ) -> tuple[NDArray[np.float64], float]:
@@ -138,8 +145,7 @@ def _search(
         return np.zeros(3), law.search_yaw_rate_rad_s
     offset = expected - np.array(pose.position_ned)
     distance = float(np.linalg.norm(offset))
-    bearing = math.atan2(offset[1], offset[0])
-    error = wrap_pi(bearing - pose.yaw_rad)
+    error = wrap_pi(bearing(expected, pose) - pose.yaw_rad)
     near = distance < settings.course.lock_m
     if near:
         return np.zeros(3), math.copysign(law.search_yaw_rate_rad_s, error)

@@ -78,7 +78,7 @@ class Belief:
     tracks: GateTracks = NO_TRACKS
     passed: tuple[PassedGate, ...] = ()
     target: int | None = None  # the number of the gate that is flown to
-    axis_rad: float = 0.0  # in which the target is flown through
+    approach_rad: float = 0.0  # heading to the target when it was chosen
     numbers: int = 0  # given out so far
 
 

@@ -16,6 +16,7 @@ class MapSettings:
     lateral_floor_m: tuple[float, float] = (0.04, 0.02)  # and per metre of distance
     range_floor_m: tuple[float, float] = (0.10, 0.06)
     heading_variance_factor: float = 15.0
+    min_heading_std_rad: float = 0.3  # what is seen of a heading errs alike from image to image
     blind_m: float = 0.9  # nearer, a detection moves nothing
     gate_chi2: float = 16.0  # squared Mahalanobis distance at which a detection is another gate's
     birth_score: float = 0.35
@@ -37,7 +38,8 @@ class CourseSettings:
     chord_m: float = 6.0
     chord_std_m: tuple[float, float] = (2.5, 1.4)  # before and after the course has told
     turn_std_rad: tuple[float, float] = (0.8, 0.4)
-    axis_std_rad: tuple[float, float] = (0.5, 0.22)
+    axis_std_rad: tuple[float, float] = (0.35, 0.22)
+    max_axis_rad: float = 0.8  # from what the course says: what is seen beyond is not believed
     first_bearing_std_rad: float = 0.6
     first_range_m: float = 4.0  # the first gate is the nearest: standard deviation about here
     passed_behind_m: float = 0.25

@@ -13,7 +13,7 @@ SCORE, U, V, RANGE, COS, SIN, LOGVARS = 0, 1, 2, 3, 4, 5, slice(6, 10)
 CELLS = 16
 TANGENT = 2.0 / CELLS  # of a cell: the camera sees +-45 deg
 MIN_RANGE_M, MAX_RANGE_M = 0.2, 30.0
-SAME_CELLS, SAME_LOG_RANGE = 0.75, 0.25  # nearer than both: one gate, told by two cells
+SAME_CELLS, SAME_LOG_RANGE = 1.6, 0.4  # nearer than both: one gate, told by several cells
 MAX_HEADING_STD_RAD = 0.9  # of an angle modulo pi that nobody knows
 
 

@@ -7,8 +7,14 @@ from safetensors.torch import save_file
 
 from flightstack.files import write_whole
 from flightstack.models import CONFIG_FILE, WEIGHTS_FILE, file_sha256
+from flightstack.perception.gate_network import GateNetwork
 from flightstack.training.detector.calibration import calibrate, match, metrics_of
-from flightstack.training.detector.store import FILE_SCENES, VALIDATION_SCENES, make_scenes
+from flightstack.training.detector.store import (
+    FILE_SCENES,
+    VALIDATION_SCENES,
+    Scenes,
+    make_scenes,
+)
 from flightstack.training.detector.trainer import DetectorSettings, Epoch, train_detector
 from flightstack.training.seeds import TRAINING_SCENES
 from flightstack.training.seeds import VALIDATION_SCENES as VALIDATION_SEEDS
@@ -33,17 +39,25 @@ def train(out: Path, data: Path, *, files: int, settings: DetectorSettings) -> N
     scenes = make_scenes(data / "scenes", TRAINING_SCENES[:files], FILE_SCENES)
     validation = make_scenes(data / "validation-scenes", VALIDATION_SEEDS, VALIDATION_SCENES)
     network = train_detector(scenes, validation, settings, _say)
-    out.mkdir(parents=True, exist_ok=True)
-    weights = out / WEIGHTS_FILE
-    save_file({k: v.contiguous() for k, v in network.state_dict().items()}, weights)
-    calibration = calibrate(network, validation)
-    metrics = metrics_of(match(network, validation, calibration))
-    metrics["trained"] = {
+    trained = {
         "scenes": len(scenes),
         "scene_seeds": [TRAINING_SCENES[0], TRAINING_SCENES[files - 1]],
         "epochs": settings.epochs,
         "seed": settings.seed,
     }
+    write_model(out, network, validation, trained)
+
+
+def write_model(
+    out: Path, network: GateNetwork, validation: Scenes, trained: dict[str, object]
+) -> None:
+    """Calibrate a network, and write its folder; `trained` says how it came about."""
+    out.mkdir(parents=True, exist_ok=True)
+    weights = out / WEIGHTS_FILE
+    save_file({k: v.contiguous() for k, v in network.state_dict().items()}, weights)
+    calibration = calibrate(network, validation)
+    metrics = metrics_of(match(network, validation, calibration))
+    metrics["trained"] = trained
     write_whole(out / "metrics.json", json.dumps(metrics, indent=1) + "\n")
     text = CONFIG.format(
         name=out.name,

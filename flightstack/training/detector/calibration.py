@@ -16,6 +16,8 @@ from flightstack.perception.preprocessing import network_input
 from flightstack.records import GateDetections
 from flightstack.training.detector.store import Scenes
 
+SCORES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
+MAX_FALSE = 0.75  # an image; the scenes are worse than a course on a fine day
 CHI2_MEDIAN = 0.4549  # of one degree of freedom
 CHI2_90 = 2.7055
 NEAR_PX, NEAR_LOG_RANGE = 6.0, 0.35  # a detection that is a gate's
@@ -36,9 +38,12 @@ class Matches:
 
 
 def calibrate(network: GateNetwork, scenes: Scenes) -> DetectionCalibration:
-    """Return the factors on the variances."""
-    raw = DetectionCalibration()
-    found = match(network, scenes, raw)
+    """Return the least score with few false gates, and the factors on the variances."""
+    for score in SCORES:
+        raw = DetectionCalibration(min_score=score)
+        found = match(network, scenes, raw)
+        if found.false <= MAX_FALSE * found.images:
+            break
     seen = np.isfinite(found.errors[:, 0])
     squares = (found.errors[seen] / found.std[seen]) ** 2
     medians = np.median(squares, axis=0) / CHI2_MEDIAN
