@@ -175,9 +175,9 @@ def _plan(arguments: argparse.Namespace) -> "FlightPlan":
 
 
 def _strategy(arguments: argparse.Namespace) -> str:
-    from flightstack.models import CONFIG_FILE, find, read_config  # noqa: PLC0415
+    from flightstack.models import recorded  # noqa: PLC0415
 
-    return arguments.strategy or read_config(find(arguments.model) / CONFIG_FILE).strategy
+    return arguments.strategy or recorded(arguments.model).strategy
 
 
 def _default_log() -> Path:

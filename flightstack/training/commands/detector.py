@@ -19,7 +19,7 @@ from flightstack.training.detector.trainer import DetectorSettings, Epoch, train
 from flightstack.training.seeds import TRAINING_SCENES
 from flightstack.training.seeds import VALIDATION_SCENES as VALIDATION_SEEDS
 
-STRATEGY, SPEED_M_S = "de-mean", 2.0
+STRATEGY, SPEED_M_S = "de-mean", 2.6
 CONFIG = """name = "{name}"
 recipe = "{recipe}"
 strategy = "{strategy}"
