@@ -45,6 +45,8 @@ def calibrate(network: GateNetwork, scenes: Scenes) -> DetectionCalibration:
         if found.false <= MAX_FALSE * found.images:
             break
     seen = np.isfinite(found.errors[:, 0])
+    if not seen.any():  # it has learnt nothing yet
+        return raw
     squares = (found.errors[seen] / found.std[seen]) ** 2
     medians = np.median(squares, axis=0) / CHI2_MEDIAN
     return replace(

@@ -57,7 +57,8 @@ def train_detector(
     """Train on all scenes, so many times; tells of every epoch."""
     torch.manual_seed(settings.seed)
     rng = np.random.default_rng(settings.seed)
-    network = GateNetwork().to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+    network = GateNetwork()
+    network.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     optimiser = torch.optim.AdamW(
         network.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay
     )
