@@ -26,6 +26,7 @@ from flightstack.companion.summary import FlightSummary
 from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.mavlink.endpoint import Endpoint, Kind
 from flightstack.mavlink.link import Link
+from flightstack.mavlink.motion import MotionHistory
 from flightstack.mavlink.signing import Signing
 from flightstack.mavlink.tlog import TlogWriter
 from flightstack.mavlink.transport import open_transport
@@ -55,7 +56,7 @@ class FlightPlan:
 
 
 def fly(
-    plan: FlightPlan, load_pilot: Callable[[], GuardedPilot], console: Console
+    plan: FlightPlan, load_pilot: Callable[[MotionHistory], GuardedPilot], console: Console
 ) -> FlightSummary:
     """Fly, and say what happened; raises a FlightstackError where no flight begins."""
     clock = VehicleClock()
@@ -72,7 +73,7 @@ def fly(
         link = Link(transport, tlog, clock, signing=signing)
         stack.callback(link.close)
         vehicle = VehicleSession(link, plan.takeoff_altitude_m, publish_members=plan.record_images)
-        pilot = load_pilot()
+        pilot = load_pilot(vehicle.motion)
         stack.callback(pilot.close)
         transport.forget_backlog()
         uri = _find(vehicle, plan, console)

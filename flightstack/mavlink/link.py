@@ -45,6 +45,7 @@ HEARTBEAT_TYPE = 4  # where its type stands
 # Only the newest of these matters: they are decoded once a drain.
 COALESCED = frozenset(
     {
+        common.MAVLINK_MSG_ID_ATTITUDE,
         common.MAVLINK_MSG_ID_LOCAL_POSITION_NED,
         common.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED,
     }
@@ -54,6 +55,7 @@ NOTHING: frozenset[int] = frozenset()
 WANTED = {
     AUTOPILOT_COMPONENT: frozenset(
         {
+            common.MAVLINK_MSG_ID_ATTITUDE,
             common.MAVLINK_MSG_ID_HEARTBEAT,
             common.MAVLINK_MSG_ID_COMMAND_ACK,
             common.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,

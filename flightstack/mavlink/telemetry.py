@@ -12,6 +12,7 @@ from pymavlink.dialects.v20 import common
 
 from flightstack.clock import VehicleClock
 from flightstack.mavlink.link import Message
+from flightstack.mavlink.motion import MotionHistory
 from flightstack.mavlink_numbers import CAMERA_COMPONENT, REFEREE_COMPONENT
 
 Vector3 = tuple[float, float, float]
@@ -103,12 +104,14 @@ class TelemetryReceiver:
 
     def __init__(self, clock: VehicleClock) -> None:
         self.latest = Telemetry()
+        self.motion = MotionHistory()
         self.stream_uri: str | None = None
         self.stream_hz: float | None = None  # as its camera announces it
         self._clock = clock
         self._texts: list[StatusText] = []
         self._chunks: dict[tuple[int, int], str] = {}
         self._handlers = {
+            common.MAVLINK_MSG_ID_ATTITUDE: self.motion.note_attitude,
             common.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
             common.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: self._extended_sys_state,
             common.MAVLINK_MSG_ID_HOME_POSITION: self._home_position,
@@ -161,6 +164,7 @@ class TelemetryReceiver:
         self.latest = replace(self.latest, home_altitude_amsl_m=message.altitude / 1000)
 
     def _local_position(self, message: Message) -> None:
+        self.motion.note_position(message)
         self.latest = replace(
             self.latest,
             position_ned=_known((message.x, message.y, message.z)),
