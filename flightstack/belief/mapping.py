@@ -241,7 +241,7 @@ def _capped(
     """Scale down what has grown beyond what position aiding allows."""
     variance = np.diagonal(covariance[:, :3, :3], axis1=1, axis2=2).max(axis=1)
     factor = np.minimum(1.0, max_std_m**2 / np.maximum(variance, 1e-12))
-    return covariance * factor[:, None, None]
+    return np.asarray(covariance * factor[:, None, None])
 
 
 def _half_turn(angle: PerGate) -> PerGate:
