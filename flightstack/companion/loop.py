@@ -165,7 +165,7 @@ class FlightLoop:
             self._advance(now_us, restarted_us=before_us)
 
     def _answer(self, arrival: Arrival) -> None:
-        arrival = self._stamps.admit(arrival)
+        arrival = self._stamps.admit(arrival, self._vehicle.telemetry.trigger_us)
         if self._stamps.complaint:
             self._reporter.warn_once(
                 f"the camera's stamps are {self._stamps.complaint}: the time of arrival counts"
