@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pymavlink.dialects.v20 import common
 
 from flightstack.camera.camera import Camera, open_camera
-from flightstack.companion.loop import ImageQueue
+from flightstack.companion.imaging import ImageQueue
 from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.companion.waiting import wait_for_any
 from flightstack.errors import LinkError

@@ -17,6 +17,7 @@ from flightstack.companion.discovery import (
     wait_for_image,
     wait_for_vehicle,
 )
+from flightstack.companion.guards.limits import FlightLimits
 from flightstack.companion.loop import FlightLoop
 from flightstack.companion.mission.records import MissionStatus, Outcome
 from flightstack.companion.piloting.protocols import GuardedPilot
@@ -50,6 +51,7 @@ class FlightPlan:
     takes_over: bool = False  # a vehicle that was armed before, or that has a pilot
     reach_s: float = 300.0  # a silent vehicle that we have lifted is called for so long
     speed_scale: float = 1.0
+    limits: FlightLimits = field(default_factory=FlightLimits)
     timeout_s: float = 60.0  # for vehicle and camera to be found, wall time
     signing_key: bytes | None = field(default=None, repr=False)
 
@@ -91,6 +93,7 @@ def fly(
             reporter,
             mission=_mission(plan),
             speed_scale=plan.speed_scale,
+            limits=plan.limits,
             recorder=recorder,
         )
         return _run(loop, vehicle, plan)

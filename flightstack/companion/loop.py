@@ -9,14 +9,15 @@ either process ran.
 """
 
 import math
-from typing import Protocol
 
 from flightstack.camera.mailbox import Arrival
 from flightstack.camera.stamps import StampCheck
 from flightstack.camera.watch import ImageWatch
 from flightstack.clock import REBOOT_US
+from flightstack.companion.guards.limits import FlightLimits
 from flightstack.companion.guards.one_pilot import OnePilot
 from flightstack.companion.guards.steering import Steering
+from flightstack.companion.imaging import ImageQueue, Recorder
 from flightstack.companion.latencies import Latencies
 from flightstack.companion.mission.hold import hold_for_camera
 from flightstack.companion.mission.machine import advance
@@ -50,32 +51,10 @@ IMAGES_LOST_S = 10.0  # wall time: a camera is lost even where no telemetry tell
 STEERED = (MissionPhase.ENTERING_OFFBOARD, MissionPhase.FLYING)
 
 
-class ImageQueue(Protocol):
-    """Where images come from, ready for a selector."""
-
-    announced_hz: float | None  # how many a second it says that it gives
-
-    def fileno(self) -> int:
-        """Return what a selector waits on."""
-
-    def take(self) -> Arrival | None:
-        """Take the newest image, if it has not been taken."""
-
-    def restart(self) -> None:
-        """Have the source opened again; never waits."""
-
-
-class Recorder(Protocol):
-    """Where images are kept."""
-
-    def record(self, image: Image) -> None:
-        """Have an image kept; never waits."""
-
-
 class FlightLoop:
     """One flight, from the first image to the last."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  (what a flight is made of, by name)
         self,
         vehicle: VehicleSession,
         camera: ImageQueue,
@@ -84,6 +63,7 @@ class FlightLoop:
         *,
         mission: MissionStatus | None = None,
         speed_scale: float = 1.0,
+        limits: FlightLimits | None = None,
         recorder: Recorder | None = None,
     ) -> None:
         self.status = MissionStatus() if mission is None else mission
@@ -94,7 +74,14 @@ class FlightLoop:
         self._vehicle = vehicle
         self._clock = vehicle.link.clock
         self._camera = camera
-        self._steering = Steering(pilot, vehicle, reporter, self.holds, speed_scale=speed_scale)
+        self._steering = Steering(
+            pilot,
+            vehicle,
+            reporter,
+            self.holds,
+            speed_scale=speed_scale,
+            limits=limits or FlightLimits(),
+        )
         self._reporter = reporter
         self._recorder = recorder
         self._one_pilot = OnePilot()
@@ -180,6 +167,8 @@ class FlightLoop:
         self._look(image)
         self._image_us, self._image_s = image.stamp_us, self._clock.wall_s()
         self.images += 1
+        if self.status.phase is MissionPhase.FLYING:
+            self._steering.watch_limits(image.stamp_us)
         self._tick(image.stamp_us)
         if self.status.outcome is Outcome.OTHER_PILOT:
             return  # whose vehicle it is: not one setpoint more
