@@ -25,7 +25,7 @@ from flightstack.companion.reporter import Reporter
 from flightstack.companion.signals import landing_first
 from flightstack.companion.summary import FlightSummary
 from flightstack.companion.vehicle_session import VehicleSession
-from flightstack.mavlink.endpoint import Endpoint, Kind
+from flightstack.mavlink.endpoint import ANY_HOST, Endpoint, Kind
 from flightstack.mavlink.link import Link
 from flightstack.mavlink.signing import Signing
 from flightstack.mavlink.tlog import TlogWriter
@@ -122,7 +122,7 @@ def _open_recorder(
 
 def _find(vehicle: VehicleSession, plan: FlightPlan, console: Console) -> str:
     """Wait for the vehicle; return the URI of its camera, or of the one that was named."""
-    console.event(f"waiting for the vehicle on {plan.endpoint}")
+    console.event(f"waiting for the vehicle on {plan.endpoint}{_openness(plan.endpoint)}")
     wait_for_vehicle(vehicle, plan.timeout_s, name=str(plan.endpoint))
     found = vehicle.link.vehicle
     if found is not None and found.signs and plan.signing_key is None:
@@ -133,8 +133,16 @@ def _find(vehicle: VehicleSession, plan: FlightPlan, console: Console) -> str:
     if uri is None:
         uri = find_camera(vehicle, plan.timeout_s)
         check_address(uri, _vehicle_host(vehicle, plan.endpoint), plan.camera_host)
-    console.event(f"vehicle {vehicle.link.system_id} found; opening its camera {uri}")
+    at = "" if found is None or found.address is None else " at {}:{}".format(*found.address)
+    console.event(f"vehicle {vehicle.link.system_id} found{at}; opening its camera {uri}")
     return uri
+
+
+def _openness(endpoint: Endpoint) -> str:
+    """Say who may reach us, where that is everybody."""
+    if endpoint.kind is not Kind.UDP_LISTEN or endpoint.host != ANY_HOST:
+        return ""
+    return f", open to every network; --connect udpin:127.0.0.1:{endpoint.port} for this machine"
 
 
 def _vehicle_host(vehicle: VehicleSession, endpoint: Endpoint) -> str | None:
