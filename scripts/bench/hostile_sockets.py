@@ -4,7 +4,7 @@ import contextlib
 import socket
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from scripts.bench.hostile_datagrams import Generator
@@ -65,12 +65,14 @@ def packets(datagram: bytes) -> Iterator[bytes]:
 
 
 class Attack:
-    """Some senders that take turns, on both of the vehicle's links."""
+    """Some senders that take turns, on both of the vehicle's links, or on other ports."""
 
-    def __init__(self, generator: Generator, instance: int) -> None:
+    def __init__(
+        self, generator: Generator, instance: int, ports: Sequence[int] | None = None
+    ) -> None:
         self._datagrams = iter(generator)
         self._sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(3)]
-        self._ports = [port + instance for port in VEHICLE_PORTS]
+        self._ports = ports or [port + instance for port in VEHICLE_PORTS]
         self._turn = 0
         self.sent = 0
 
