@@ -87,6 +87,14 @@ def listen(vehicle: VehicleSession, for_s: float) -> None:
     _receive_until(vehicle, lambda: False, for_s)
 
 
+def pace(vehicle: VehicleSession, over_s: float) -> float:
+    """Return how much faster than the wall the vehicle's clock runs; 0 where it waits for us."""
+    clock = vehicle.link.clock
+    began_us, began_s = clock.stamp_us, clock.wall_s()
+    listen(vehicle, over_s)
+    return max(0, clock.stamp_us - began_us) / 1e6 / (clock.wall_s() - began_s)
+
+
 def _receive_until(
     vehicle: VehicleSession, found: Callable[[], bool], timeout_s: float, *also: ImageQueue
 ) -> bool:

@@ -13,6 +13,7 @@ from flightstack.companion.console import Console
 from flightstack.companion.discovery import (
     find_camera,
     listen,
+    pace,
     wait_for_camera,
     wait_for_image,
     wait_for_vehicle,
@@ -25,6 +26,7 @@ from flightstack.companion.reporter import Reporter
 from flightstack.companion.signals import landing_first
 from flightstack.companion.summary import FlightSummary
 from flightstack.companion.vehicle_session import VehicleSession
+from flightstack.errors import UsageError
 from flightstack.mavlink.endpoint import ANY_HOST, Endpoint, Kind
 from flightstack.mavlink.link import Link
 from flightstack.mavlink.signing import Signing
@@ -32,6 +34,9 @@ from flightstack.mavlink.tlog import TlogWriter
 from flightstack.mavlink.transport import open_transport
 
 PILOT_BEATS_S = 2.5  # wall time: whoever steers beats once a second
+DEFAULT_HZ = 20.0  # of a camera that does not say
+PACE_S = 0.5  # wall time: long enough to see a clock run
+TOO_SLOW = 10.0  # times the time between two images
 CAMERA_OPENS_S = 5.0  # wall time: it may start when the vehicle does
 
 
@@ -85,7 +90,7 @@ def fly(
         camera.announced_hz = vehicle.stream_hz if plan.camera is None else None
         reporter.watch(camera)
         wait_for_image(vehicle, camera, plan.timeout_s, name=uri)
-        gc.freeze()  # libraries and networks stay: no need to look through them again and again
+        _check_speed(pilot, vehicle, console)
         loop = FlightLoop(
             vehicle,
             camera,
@@ -153,7 +158,27 @@ def _vehicle_host(vehicle: VehicleSession, endpoint: Endpoint) -> str | None:
     return endpoint.host if endpoint.kind is Kind.TCP else None
 
 
+def _check_speed(pilot: GuardedPilot, vehicle: VehicleSession, console: Console) -> None:
+    """Say whether the pilot keeps up with the camera; raises UsageError where it never could.
+
+    A vehicle in lockstep waits: there no pilot is too slow.
+    """
+    period_s = 1.0 / (vehicle.stream_hz or DEFAULT_HZ)
+    if pilot.image_s <= period_s:
+        return
+    times = pilot.image_s * pace(vehicle, PACE_S) / period_s
+    words = (
+        f"the pilot takes {1000 * pilot.image_s:.0f} ms for an image, {times:.1f} times what the "
+        "camera leaves it"
+    )
+    if times > TOO_SLOW:
+        raise UsageError(f"{words}: more than {TOO_SLOW:g} times is not flown")
+    if times > 1.0:
+        console.warning(f"{words}: decisions will be repeated")
+
+
 def _run(loop: FlightLoop, vehicle: VehicleSession, plan: FlightPlan) -> FlightSummary:
+    gc.freeze()  # libraries and networks stay: no need to look through them again and again
     clock = vehicle.link.clock
     began_s, began_us = clock.wall_s(), clock.stamp_us
     interrupted = False

@@ -14,6 +14,7 @@ from flightstack.companion.waiting import Readable
 from flightstack.mavlink.offboard import STILL, Velocities
 from flightstack.records import Image
 
+LATE_OFTEN = 10  # images: a machine may be busy for once
 PART, OUTSIDE = Outcome.PART_FAILED, Outcome.OUT_OF_LIMITS
 
 
@@ -35,6 +36,7 @@ class Steering:
         self._speed_scale, self._limits = speed_scale, limits
         self._decided_us: int | None = None  # stamp of the image of the newest decision
         self._velocities = STILL  # of it
+        self._late = 0  # images without a decision of their own
 
     @property
     def may_decide(self) -> bool:
@@ -84,7 +86,14 @@ class Steering:
         """Repeat the last decision while the pilot thinks, for as long as for a late image."""
         hold = hold_for_late_part(self._decided_us or now_us, now_us)
         if hold is None:
+            self._late += 1
+            if self._late == LATE_OFTEN:
+                self._reporter.warn_once(
+                    f"{self._pilot.part} is slower than the camera: decisions are repeated"
+                )
             return self._limits.clip(self._velocities, self._vehicle.telemetry)
-        self._reporter.warn_once("the pilot's answer is late: the vehicle is held")
+        self._reporter.warn_once(
+            f"{self._pilot.part} has not answered for 0.5 s: the vehicle is held"
+        )
         self._holds.setdefault(PART, hold)
         return STILL

@@ -84,6 +84,11 @@ class WorkerPilot:
         """Return what a selector waits on."""
         return self._channel.fileno()
 
+    @property
+    def part(self) -> str:
+        """Which part is at work."""
+        return self._marker.part
+
     def check(self) -> PartFailure | None:
         """Say why it will never decide again, where that can be seen without an image."""
         if self.failure is None and self._asked_s is None and wait_for_any(0, self._channel):
