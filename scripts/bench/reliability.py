@@ -28,7 +28,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-from scripts.bench.faults.flights import PHASES, Fault, Flown, fly  # noqa: E402
+from scripts.bench.faults.flights import PHASES, Fault, FlightKind, Flown, fly  # noqa: E402
 from scripts.bench.faults.kinds import FAULTS, KILLS, LINKS, STOPS  # noqa: E402
 
 DOCUMENT = ROOT / "docs" / "reliability.md"
@@ -84,13 +84,10 @@ def orders(options: argparse.Namespace) -> list[Order]:
 def flown(order: Order, options: argparse.Namespace) -> Row:
     """Fly one."""
     with tempfile.TemporaryDirectory() as folder:
-        result = fly(
-            order.fault,
-            order.phase,
-            lockstep=not options.real_time,
-            folder=Path(folder),
-            seed=order.seed,
+        kind = FlightKind(
+            phase=order.phase, lockstep=not options.real_time, duration_s=options.duration
         )
+        result = fly(order.fault, kind, Path(folder), order.seed)
     row = Row(order, result)
     state = "; ".join(row.wrong()) or "good"
     print(
@@ -123,11 +120,14 @@ def table(rows: Sequence[Row]) -> Iterator[str]:
 def write(options: argparse.Namespace, lines: Sequence[str]) -> None:
     """Put a table into the document, between its marks."""
     pace = "real time" if options.real_time else "lockstep"
-    begin, finish = f"<!-- {options.what}, {pace} -->\n", f"<!-- end of {options.what}, {pace} -->"
+    table_name = f"{options.what}, {pace}" + (", whole courses" if options.duration > 12 else "")
+    begin, finish = f"<!-- {table_name} -->\n", f"<!-- end of {table_name} -->"
     git = ["git", "rev-parse", "--short", "HEAD"]
     commit = subprocess.run(git, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     command = f"python scripts/bench/reliability.py {options.what}"
     command += " --real-time" if options.real_time else ""
+    command += f" --phase {' '.join(options.phase)}" if options.phase else ""
+    command += f" --duration {options.duration:g}" if options.duration > 12 else ""
     when = f"`{command}` at {commit.strip()}, {datetime.now(UTC):%Y-%m-%d}:"
     text = DOCUMENT.read_text()
     before, _, rest = text.partition(begin)
@@ -144,6 +144,7 @@ def main() -> int:
     parser.add_argument("--only", nargs="+", metavar="NAME")
     parser.add_argument("--phase", nargs="+", choices=PHASES)
     parser.add_argument("--real-time", action="store_true")
+    parser.add_argument("--duration", type=float, default=12.0, help="s in OFFBOARD (12)")
     parser.add_argument("--count", type=int, default=100, help="of kills and stops (100)")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=1)

@@ -215,7 +215,7 @@ class WorkerPilot:
         if data[:1] == kind:
             return data
         if not data:
-            raise UsageError(f"{self._marker.part} {self._end()} while it was loaded")
+            raise UsageError(f"{self._marker.part} {self._end()} while it was loaded or tried")
         raise REFUSALS.get(data[1], UsageError)(data[2:].decode(errors="replace"))
 
 

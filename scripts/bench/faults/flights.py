@@ -3,7 +3,6 @@
 import contextlib
 import json
 import os
-import random
 import signal
 import time
 from collections.abc import Callable, Iterator
@@ -54,9 +53,7 @@ class Scene:
     vehicle: Process
     companion: Process
     trigger: Path
-    rng: random.Random
     others: list[Process] = field(default_factory=list)
-    lockstep: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,11 +67,20 @@ class Fault:
     companion_survives: bool = True
 
 
-def fly(fault: Fault, phase: str, *, lockstep: bool, folder: Path, seed: int = 0) -> Flown:
-    """Fly a course, at most 12 s of it, with the fault from this phase on."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightKind:
+    """What is flown: the phase in which the fault begins, in lockstep or in real time."""
+
+    phase: str
+    lockstep: bool = True
+    duration_s: float = 12.0  # in OFFBOARD, at most
+
+
+def fly(fault: Fault, flight: FlightKind, folder: Path, seed: int = 0) -> Flown:
+    """Fly a course with the fault from this flight's phase on."""
     began_s = time.monotonic()
-    with _scene(fault, lockstep=lockstep, folder=folder, seed=seed) as scene:
-        _wait(lambda: scene.link.phase == phase or _ended(scene.companion), STARTS_S)
+    with _scene(fault, flight, folder, seed) as scene:
+        _wait(lambda: scene.link.phase == flight.phase or _ended(scene.companion), STARTS_S)
         fault.begin(scene)
         _wait(lambda: _ended(scene.companion), LIMIT_S)
         code = scene.companion.poll()
@@ -86,7 +92,7 @@ def fly(fault: Fault, phase: str, *, lockstep: bool, folder: Path, seed: int = 0
 
 
 @contextlib.contextmanager
-def _scene(fault: Fault, *, lockstep: bool, folder: Path, seed: int) -> Iterator[Scene]:
+def _scene(fault: Fault, flight: FlightKind, folder: Path, seed: int) -> Iterator[Scene]:
     trigger = folder / "trigger"
     with contextlib.ExitStack() as stack:
         instance = stack.enter_context(free_instance())
@@ -102,11 +108,11 @@ def _scene(fault: Fault, *, lockstep: bool, folder: Path, seed: int) -> Iterator
             program = replace(program, environment=os.environ | extra)
             return stack.enter_context(running(program, ends_s=5.0))
 
-        pace = ("--lockstep", "--speed-factor=0") if lockstep else ()
+        pace = ("--lockstep", "--speed-factor=0") if flight.lockstep else ()
         vehicle_options = (*pace, *COURSE, f"--instance={instance}", f"--api-link=0:{link.port}")
         companion_options = (
             *(f"--udp={port}", f"--camera={camera.uri}", f"--log={folder / 'companion.tlog'}"),
-            *("--json", "--reach=30", "--duration=12", *fault.companion),
+            *("--json", "--reach=30", f"--duration={flight.duration_s:g}", *fault.companion),
         )
         yield Scene(
             folder=folder,
@@ -117,8 +123,6 @@ def _scene(fault: Fault, *, lockstep: bool, folder: Path, seed: int) -> Iterator
             vehicle=start("sitl", *vehicle_options, output="vehicle.txt"),
             companion=start("flightstack.companion", *companion_options, output="companion.txt"),
             trigger=trigger,
-            rng=random.Random(seed),  # noqa: S311
-            lockstep=lockstep,
         )
 
 
