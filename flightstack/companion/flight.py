@@ -181,16 +181,18 @@ def _run(loop: FlightLoop, vehicle: VehicleSession, plan: FlightPlan) -> FlightS
     gc.freeze()  # libraries and networks stay: no need to look through them again and again
     clock = vehicle.link.clock
     began_s, began_us = clock.wall_s(), clock.stamp_us
-    interrupted = False
+    cut_off: Outcome | None = None
     try:
         with landing_first(loop.stop):
             loop.run()
     except KeyboardInterrupt:
-        interrupted = True
+        cut_off = Outcome.INTERRUPTED
+    except Exception:  # it has been told, at each turn
+        cut_off = Outcome.COMPANION_FAILED
     wall_s = clock.wall_s() - began_s
     status, course = loop.status, vehicle.telemetry.course
     ended_us = clock.stamp_us if status.ended_us is None else status.ended_us
-    outcome = Outcome.INTERRUPTED if interrupted else status.outcome or Outcome.INTERRUPTED
+    outcome = cut_off or status.outcome or Outcome.INTERRUPTED
     return FlightSummary(
         outcome=outcome,
         gates_passed=course.gates_passed,

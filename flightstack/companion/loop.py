@@ -19,7 +19,7 @@ from flightstack.companion.guards.one_pilot import OnePilot
 from flightstack.companion.guards.steering import Steering
 from flightstack.companion.imaging import ImageQueue, Recorder
 from flightstack.companion.latencies import Latencies
-from flightstack.companion.mission.hold import hold_for_camera
+from flightstack.companion.mission.hold import hold_for_camera, hold_for_error
 from flightstack.companion.mission.machine import advance
 from flightstack.companion.mission.records import (
     Hold,
@@ -41,6 +41,7 @@ IDLE_S = 0.1  # wall time: how long the loop sleeps at most
 IMAGE_SOON_S = 0.03  # wall time: telemetry waits so long for the image that it belongs to
 TRIGGER_WAIT_S = 0.05  # wall time: for the announcement of an image that has come
 LINK_LOST_S = 3.0  # wall time
+MAX_STUMBLES = 1000  # a minute of images
 LONG_S = 1e6  # stands for endless silence
 TICK_US = 50_000  # vehicle time: the pace without images
 REPEAT_S = 1.0  # wall time without an image, while vehicle time stands
@@ -85,6 +86,7 @@ class FlightLoop:
         self._reporter = reporter
         self._recorder = recorder
         self._one_pilot = OnePilot()
+        self._stumbles = 0  # errors of our own
         self._stamps = StampCheck(self._clock)
         self._images = ImageWatch(camera.announced_hz)
         self._answered_us: int | None = None  # the newest image that was
@@ -99,10 +101,21 @@ class FlightLoop:
         """Fly until the mission is done or the vehicle is lost; land on any other way out."""
         try:
             while self.status.phase is not MissionPhase.DONE:
-                self._turn()
+                try:
+                    self._turn()
+                except Exception as error:  # whatever it is, the vehicle is in the air
+                    self._stumble(error)
         finally:
             if self.status.phase in OURS:
                 self._vehicle.abandon()
+
+    def _stumble(self, error: Exception) -> None:
+        """Hold, then land, after an error of our own; give up where it comes at every turn."""
+        self._stumbles += 1
+        self._reporter.warn_of_error(error)
+        self.holds.setdefault(Outcome.COMPANION_FAILED, hold_for_error(self._clock.stamp_us))
+        if self._stumbles >= MAX_STUMBLES:
+            raise error
 
     def _turn(self) -> None:
         self._sleep()

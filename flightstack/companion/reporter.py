@@ -1,6 +1,7 @@
 """Turn what happens in flight into lines: phases, gates, the vehicle's own words, what is wrong."""
 
 import math
+import traceback
 from collections.abc import Mapping
 from typing import Protocol
 
@@ -49,6 +50,11 @@ class Reporter:
         if text not in self._warned and len(self._warned) < MAX_WARNINGS:
             self._warned.add(text)
             self._console.warning(text)
+
+    def warn_of_error(self, error: Exception) -> None:
+        """Tell of an error of our own, each once, and with --verbose from where it came."""
+        self.warn_once(f"an error of the companion's own, please report it: {error!r}")
+        self._console.detail("".join(traceback.format_exception(error)))
 
     def watch(self, keeper: Keeper) -> None:
         """Tell, too, when this one fails."""

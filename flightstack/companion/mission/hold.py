@@ -6,6 +6,7 @@ IMAGE_LATE_US = 500_000
 CAMERA_LOST_US = 2_000_000
 PART_FAILED_US = 2_000_000
 OUTSIDE_US = 2_000_000
+ERROR_US = 1_000_000
 CAMERA_LIES_US = 5_000_000  # more than the other: images that come may come right
 
 
@@ -33,6 +34,11 @@ def hold_for_late_part(decided_us: int, now_us: int) -> Hold | None:
 def hold_outside(now_us: int) -> Hold:
     """Return the hold that a vehicle calls for which is outside its limits."""
     return Hold(reason=Outcome.OUT_OF_LIMITS, since_us=now_us, lands_after_us=OUTSIDE_US)
+
+
+def hold_for_error(now_us: int) -> Hold:
+    """Return the hold that an error of our own calls for."""
+    return Hold(reason=Outcome.COMPANION_FAILED, since_us=now_us, lands_after_us=ERROR_US)
 
 
 def choose_hold(situation: Situation, now_us: int) -> Hold | None:
