@@ -9,16 +9,17 @@ either process ran.
 """
 
 import math
-from typing import Protocol
 
 from flightstack.camera.mailbox import Arrival
 from flightstack.camera.stamps import StampCheck
 from flightstack.camera.watch import ImageWatch
 from flightstack.clock import REBOOT_US
+from flightstack.companion.guards.limits import FlightLimits
 from flightstack.companion.guards.one_pilot import OnePilot
 from flightstack.companion.guards.steering import Steering
+from flightstack.companion.imaging import ImageQueue, Recorder
 from flightstack.companion.latencies import Latencies
-from flightstack.companion.mission.hold import hold_for_camera
+from flightstack.companion.mission.hold import hold_for_camera, hold_for_error
 from flightstack.companion.mission.machine import advance
 from flightstack.companion.mission.records import (
     Hold,
@@ -40,6 +41,7 @@ IDLE_S = 0.1  # wall time: how long the loop sleeps at most
 IMAGE_SOON_S = 0.03  # wall time: telemetry waits so long for the image that it belongs to
 TRIGGER_WAIT_S = 0.05  # wall time: for the announcement of an image that has come
 LINK_LOST_S = 3.0  # wall time
+MAX_STUMBLES = 1000  # a minute of images
 LONG_S = 1e6  # stands for endless silence
 TICK_US = 50_000  # vehicle time: the pace without images
 REPEAT_S = 1.0  # wall time without an image, while vehicle time stands
@@ -50,32 +52,10 @@ IMAGES_LOST_S = 10.0  # wall time: a camera is lost even where no telemetry tell
 STEERED = (MissionPhase.ENTERING_OFFBOARD, MissionPhase.FLYING)
 
 
-class ImageQueue(Protocol):
-    """Where images come from, ready for a selector."""
-
-    announced_hz: float | None  # how many a second it says that it gives
-
-    def fileno(self) -> int:
-        """Return what a selector waits on."""
-
-    def take(self) -> Arrival | None:
-        """Take the newest image, if it has not been taken."""
-
-    def restart(self) -> None:
-        """Have the source opened again; never waits."""
-
-
-class Recorder(Protocol):
-    """Where images are kept."""
-
-    def record(self, image: Image) -> None:
-        """Have an image kept; never waits."""
-
-
 class FlightLoop:
     """One flight, from the first image to the last."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  (what a flight is made of, by name)
         self,
         vehicle: VehicleSession,
         camera: ImageQueue,
@@ -84,6 +64,7 @@ class FlightLoop:
         *,
         mission: MissionStatus | None = None,
         speed_scale: float = 1.0,
+        limits: FlightLimits | None = None,
         recorder: Recorder | None = None,
     ) -> None:
         self.status = MissionStatus() if mission is None else mission
@@ -94,18 +75,25 @@ class FlightLoop:
         self._vehicle = vehicle
         self._clock = vehicle.link.clock
         self._camera = camera
-        self._steering = Steering(pilot, vehicle, reporter, self.holds, speed_scale=speed_scale)
+        self._steering = Steering(
+            pilot,
+            vehicle,
+            reporter,
+            self.holds,
+            speed_scale=speed_scale,
+            limits=limits or FlightLimits(),
+        )
         self._reporter = reporter
         self._recorder = recorder
         self._one_pilot = OnePilot()
+        self._stumbles = 0  # errors of our own
         self._stamps = StampCheck(self._clock)
         self._images = ImageWatch(camera.announced_hz)
         self._answered_us: int | None = None  # the newest image that was
         self._restarted_s = self._clock.wall_s()
-        self._image_us = self._clock.stamp_us
+        self._image_us = self._ticked_us = self._clock.stamp_us
         self._image_s = self._clock.wall_s()
         self._steered_s = self._image_s
-        self._ticked_us = self._clock.stamp_us
         self._images_flow = False  # the last turn of the loop has answered one
         self._unanswered: Arrival | None = None  # has come while the vehicle was silent
 
@@ -113,10 +101,21 @@ class FlightLoop:
         """Fly until the mission is done or the vehicle is lost; land on any other way out."""
         try:
             while self.status.phase is not MissionPhase.DONE:
-                self._turn()
+                try:
+                    self._turn()
+                except Exception as error:  # whatever it is, the vehicle is in the air
+                    self._stumble(error)
         finally:
             if self.status.phase in OURS:
                 self._vehicle.abandon()
+
+    def _stumble(self, error: Exception) -> None:
+        """Hold, then land, after an error of our own; give up where it comes at every turn."""
+        self._stumbles += 1
+        self._reporter.warn_of_error(error)
+        self.holds.setdefault(Outcome.COMPANION_FAILED, hold_for_error(self._clock.stamp_us))
+        if self._stumbles >= MAX_STUMBLES:
+            raise error
 
     def _turn(self) -> None:
         self._sleep()
@@ -181,6 +180,8 @@ class FlightLoop:
         self._look(image)
         self._image_us, self._image_s = image.stamp_us, self._clock.wall_s()
         self.images += 1
+        if self.status.phase is MissionPhase.FLYING:
+            self._steering.watch_limits(image.stamp_us)
         self._tick(image.stamp_us)
         if self.status.outcome is Outcome.OTHER_PILOT:
             return  # whose vehicle it is: not one setpoint more

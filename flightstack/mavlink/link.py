@@ -50,6 +50,16 @@ COALESCED = frozenset(
     }
 )
 NOBODY = -1
+NO_VEHICLES = frozenset(
+    {
+        common.MAV_TYPE_ANTENNA_TRACKER,
+        common.MAV_TYPE_GCS,
+        common.MAV_TYPE_ONBOARD_CONTROLLER,
+        common.MAV_TYPE_GIMBAL,
+        common.MAV_TYPE_ADSB,
+        common.MAV_TYPE_CAMERA,
+    }
+)
 NOTHING: frozenset[int] = frozenset()
 WANTED = {
     AUTOPILOT_COMPONENT: frozenset(
@@ -208,7 +218,7 @@ class Link:
             return
         decoded: list[Message] = []
         self._decode(packet, decoded)
-        if decoded and decoded[0].autopilot != common.MAV_AUTOPILOT_INVALID:
+        if decoded and _speaks_for_a_vehicle(decoded[0]):
             self.vehicle = VehicleIdentity(
                 source[0], decoded[0].autopilot, address, is_signed(packet)
             )
@@ -235,3 +245,9 @@ class Link:
             messages.append(self._protocol.decode(bytearray(packet)))
         except common.MAVError:  # a field that the dialect refuses
             return
+
+
+def _speaks_for_a_vehicle(heartbeat: Message) -> bool:
+    """Whether an autopilot sends this, of something that flies or drives."""
+    is_autopilot = heartbeat.autopilot != common.MAV_AUTOPILOT_INVALID
+    return is_autopilot and heartbeat.type not in NO_VEHICLES

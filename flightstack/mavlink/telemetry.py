@@ -89,6 +89,7 @@ class Telemetry:
     landed: LandedState = LandedState.UNKNOWN
     landed_us: int = 0  # since when `landed` holds
     home_altitude_amsl_m: float | None = None
+    home_ned: Vector3 | None = None  # m
     position_ned: Vector3 | None = None  # m
     velocity_ned: Vector3 | None = None  # m/s
     target_ned: Vector3 | None = None  # m/s, the velocity that its controller follows
@@ -158,7 +159,11 @@ class TelemetryReceiver:
             self.latest = replace(self.latest, landed=landed, landed_us=self._clock.stamp_us)
 
     def _home_position(self, message: Message) -> None:
-        self.latest = replace(self.latest, home_altitude_amsl_m=message.altitude / 1000)
+        self.latest = replace(
+            self.latest,
+            home_altitude_amsl_m=message.altitude / 1000,
+            home_ned=_known((message.x, message.y, message.z)),
+        )
 
     def _local_position(self, message: Message) -> None:
         self.latest = replace(
