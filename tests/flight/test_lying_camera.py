@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from tests.flight import tlogs
-from tests.flight.camera_proxy import CameraProxy, Change
 from tests.flight.processes import ENDS_S, pair
+from tests.wire.camera_proxy import CameraProxy, Change
 
 pytestmark = pytest.mark.flight
 LIMIT_S = 60.0

@@ -115,7 +115,8 @@ def test_an_error_at_every_turn_is_given_up(flight: MadeFlight) -> None:
 def test_a_vehicle_that_restarts_in_flight_is_said_to(flight: MadeFlight) -> None:
     flight.turn(50)
     flight.turn(19_000)
-    flight.turn(-19_000)
+    for _ in range(2):  # one stamp alone could be an error
+        flight.turn(-19_000, image=False)
     assert flight.loop.status.outcome is Outcome.RESTARTED
     assert flight.loop.status.ended_us == 19_050_000
 
