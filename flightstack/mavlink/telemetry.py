@@ -107,6 +107,7 @@ class TelemetryReceiver:
         self.stream_uri: str | None = None
         self.stream_hz: float | None = None  # as its camera announces it
         self._clock = clock
+        self._kind: tuple[int, int] | None = None  # MAV_TYPE and MAV_AUTOPILOT of the vehicle
         self._texts: list[StatusText] = []
         self._chunks: dict[tuple[int, int], str] = {}
         self._handlers = {
@@ -145,6 +146,10 @@ class TelemetryReceiver:
     def _heartbeat(self, message: Message) -> None:
         if message.autopilot == common.MAV_AUTOPILOT_INVALID:  # no autopilot: it says nothing here
             return
+        kind = (message.type, message.autopilot)
+        if self._kind not in (None, kind):  # another than before: of no vehicle that we know
+            return
+        self._kind = kind
         self.latest = replace(
             self.latest,
             heartbeat_us=self._clock.stamp_us if self._clock.started else None,
@@ -190,9 +195,9 @@ class TelemetryReceiver:
             self.stream_hz = rate_hz if math.isfinite(rate_hz) and rate_hz > 0.0 else None
 
     def _mission_current(self, message: Message) -> None:
-        if message.total == NO_TOTAL:
-            return
         known = self.latest.course
+        if message.total == NO_TOTAL or known.gates_total not in (None, message.total):
+            return  # no course, or not the one that is flown
         course = replace(
             known,
             gates_passed=max(known.gates_passed, min(message.seq, message.total)),
