@@ -32,7 +32,7 @@ from scripts.bench.faults.flights import PHASES, Fault, FlightKind, Flown, fly  
 from scripts.bench.faults.kinds import FAULTS, KILLS, LINKS, STOPS  # noqa: E402
 
 DOCUMENT = ROOT / "docs" / "reliability.md"
-REFUSED = 2  # exit code of a flight that never began
+ITS_OWN = ("take-off",)  # without a companion PX4 goes on and holds: NAV_DLL_ACT is 0 by default
 SAID_CHARACTERS = 70
 
 
@@ -52,14 +52,14 @@ class Row(NamedTuple):
 
     def wrong(self) -> list[str]:
         """Say what is not as it must be; nothing if all is."""
-        fault, flown = self.order.fault, self.flown
+        (fault, phase, _), flown = self.order, self.flown
+        killed = not fault.companion_survives
+        never_began = phase == "before arming" and flown.outcome == "none"
         findings = {
             "ended by an exception": flown.died_badly,
-            "the vehicle is still armed": flown.armed,
-            "no result line": fault.companion_survives
-            and flown.outcome == "none"
-            and flown.code not in (REFUSED, 3),
-            "the log cannot be read": flown.code != REFUSED and not flown.log_whole,
+            "the vehicle is still armed": flown.armed and not (killed and phase in ITS_OWN),
+            "no result line": not killed and not never_began and flown.outcome == "none",
+            "the log cannot be read": not never_began and not flown.log_whole,
         }
         return [words for words, found in findings.items() if found]
 

@@ -21,7 +21,7 @@ from scripts.bench.faults.relays import CameraRelay, LinkRelay
 CAMERA_PORT = 8090  # + instance
 STATION_PORT = 18570  # + instance, the vehicle's link for ground stations
 PHASES = ("before arming", "take-off", "flying", "landing")
-STARTS_S, LIMIT_S, GROUND_S = 60.0, 150.0, 120.0  # wall time
+STARTS_S, LIMIT_S, GROUND_S = 60.0, 150.0, 60.0  # wall time
 COURSE = ("--noise=0,0", "--laps=1")
 PARTS = Path(__file__).parent
 
