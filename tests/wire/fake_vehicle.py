@@ -84,9 +84,7 @@ class FakeVehicle:
     def __exit__(self, *_: object) -> None:
         self._stop.set()
         self._thread.join(10)
-        while select.select([self._udp], [], [], 0.0)[
-            0
-        ]:  # the last answer of a companion that ended
+        while select.select([self._udp], [], [], 0.0)[0]:  # a companion's last answer
             self._listen(0.0)
         for opened in (self._udp, self._http, self._client):
             if opened is not None:
