@@ -111,6 +111,8 @@ class FlightLoop:
         self._sleep()
         self._vehicle.receive()
         if self._vehicle.link.silence_s > LINK_LOST_S:
+            self._vehicle.receive()  # it may be we who stood still: then it has said something
+        if self._vehicle.link.silence_s > LINK_LOST_S:
             self._call()
             return
         self._heed_restart()
