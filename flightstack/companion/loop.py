@@ -19,7 +19,7 @@ from flightstack.companion.guards.one_pilot import OnePilot
 from flightstack.companion.guards.steering import Steering
 from flightstack.companion.imaging import ImageQueue, Recorder
 from flightstack.companion.latencies import Latencies
-from flightstack.companion.mission.hold import hold_for_camera, hold_for_error
+from flightstack.companion.mission.hold import hold_for_camera
 from flightstack.companion.mission.machine import advance
 from flightstack.companion.mission.records import (
     Hold,
@@ -41,7 +41,6 @@ IDLE_S = 0.1  # wall time: how long the loop sleeps at most
 IMAGE_SOON_S = 0.03  # wall time: telemetry waits so long for the image that it belongs to
 TRIGGER_WAIT_S = 0.05  # wall time: for the announcement of an image that has come
 LINK_LOST_S = 3.0  # wall time
-MAX_STUMBLES = 1000  # a minute of images
 LONG_S = 1e6  # stands for endless silence
 TICK_US = 50_000  # vehicle time: the pace without images
 REPEAT_S = 1.0  # wall time without an image, while vehicle time stands
@@ -86,7 +85,6 @@ class FlightLoop:
         self._reporter = reporter
         self._recorder = recorder
         self._one_pilot = OnePilot()
-        self._stumbles = 0  # errors of our own
         self._stamps = StampCheck(self._clock)
         self._images = ImageWatch(camera.announced_hz)
         self._answered_us: int | None = None  # the newest image that was
@@ -102,22 +100,16 @@ class FlightLoop:
                 try:
                     self._turn()
                 except Exception as error:  # whatever it is, the vehicle is in the air
-                    self._stumble(error)
+                    self._steering.stumble(error, self._clock.stamp_us)
         finally:
             if self.status.phase in OURS:
                 self._vehicle.abandon()
 
-    def _stumble(self, error: Exception) -> None:
-        """Hold, then land, after an error of our own; give up where it comes at every turn."""
-        self._stumbles += 1
-        self._reporter.warn_of_error(error)
-        self.holds.setdefault(Outcome.COMPANION_FAILED, hold_for_error(self._clock.stamp_us))
-        if self._stumbles >= MAX_STUMBLES:
-            raise error
-
     def _turn(self) -> None:
         self._sleep()
         self._vehicle.receive()
+        if self._vehicle.link.silence_s > LINK_LOST_S:
+            self._vehicle.receive()  # it may be we who stood still: then it has said something
         if self._vehicle.link.silence_s > LINK_LOST_S:
             self._call()
             return
@@ -145,6 +137,8 @@ class FlightLoop:
         self._images_flow = False
         self._unanswered = self._camera.take() or self._unanswered
         self._vehicle.lose_sight()
+        if self.stop.requested:
+            self._reporter.warn_once("the vehicle is still called: a second Ctrl-C ends at once")
         silence_s = min(self._vehicle.link.silence_s, LONG_S)
         now_us = self._clock.stamp_us + round(silence_s * 1e6)
         self._advance(now_us, vehicle_silent=True)

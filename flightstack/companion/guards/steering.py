@@ -4,7 +4,12 @@ from dataclasses import replace
 
 from flightstack.companion.guards.limits import FlightLimits
 from flightstack.companion.guards.patience import FramePatience
-from flightstack.companion.mission.hold import hold_for_late_part, hold_for_part, hold_outside
+from flightstack.companion.mission.hold import (
+    hold_for_error,
+    hold_for_late_part,
+    hold_for_part,
+    hold_outside,
+)
 from flightstack.companion.mission.records import Hold, Outcome
 from flightstack.companion.piloting.failure import PartFailure
 from flightstack.companion.piloting.protocols import GuardedPilot
@@ -15,6 +20,7 @@ from flightstack.mavlink.offboard import STILL, Velocities
 from flightstack.records import Image
 
 LATE_OFTEN = 10  # images: a machine may be busy for once
+MAX_STUMBLES = 1000  # a minute of images
 PART, OUTSIDE = Outcome.PART_FAILED, Outcome.OUT_OF_LIMITS
 
 
@@ -36,6 +42,7 @@ class Steering:
         self._speed_scale, self._limits = speed_scale, limits
         self._decided_us: int | None = None  # stamp of the image of the newest decision
         self._velocities = STILL  # of it
+        self._stumbles = 0  # errors of our own
         self._late = 0  # images without a decision of their own
 
     @property
@@ -70,6 +77,14 @@ class Steering:
         elif OUTSIDE not in self._holds:
             self._reporter.warn_once(f"the vehicle {breach} is its limit: it is held")
             self._holds[OUTSIDE] = hold_outside(now_us)
+
+    def stumble(self, error: Exception, now_us: int) -> None:
+        """Hold, then land, after an error of our own; raise it where it comes at every turn."""
+        self._stumbles += 1
+        self._reporter.warn_of_error(error)
+        self._holds.setdefault(Outcome.COMPANION_FAILED, hold_for_error(now_us))
+        if self._stumbles >= MAX_STUMBLES:
+            raise error
 
     def stand_still(self, image: Image) -> Velocities:
         """Look after the pilot while the vehicle is to stand still."""

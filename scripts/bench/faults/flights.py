@@ -21,7 +21,7 @@ from scripts.bench.faults.relays import CameraRelay, LinkRelay
 CAMERA_PORT = 8090  # + instance
 STATION_PORT = 18570  # + instance, the vehicle's link for ground stations
 PHASES = ("before arming", "take-off", "flying", "landing")
-STARTS_S, LIMIT_S, GROUND_S = 60.0, 150.0, 120.0  # wall time
+STARTS_S, LIMIT_S, GROUND_S = 60.0, 150.0, 60.0  # wall time
 COURSE = ("--noise=0,0", "--laps=1")
 PARTS = Path(__file__).parent
 
@@ -74,6 +74,7 @@ class FlightKind:
     phase: str
     lockstep: bool = True
     duration_s: float = 12.0  # in OFFBOARD, at most
+    after_s: float = 0.0  # wall time, from the beginning of the phase
 
 
 def fly(fault: Fault, flight: FlightKind, folder: Path, seed: int = 0) -> Flown:
@@ -81,6 +82,7 @@ def fly(fault: Fault, flight: FlightKind, folder: Path, seed: int = 0) -> Flown:
     began_s = time.monotonic()
     with _scene(fault, flight, folder, seed) as scene:
         _wait(lambda: scene.link.phase == flight.phase or _ended(scene.companion), STARTS_S)
+        time.sleep(flight.after_s)
         fault.begin(scene)
         _wait(lambda: _ended(scene.companion), LIMIT_S)
         code = scene.companion.poll()
@@ -112,7 +114,13 @@ def _scene(fault: Fault, flight: FlightKind, folder: Path, seed: int) -> Iterato
         vehicle_options = (*pace, *COURSE, f"--instance={instance}", f"--api-link=0:{link.port}")
         companion_options = (
             *(f"--udp={port}", f"--camera={camera.uri}", f"--log={folder / 'companion.tlog'}"),
-            *("--json", "--reach=30", f"--duration={flight.duration_s:g}", *fault.companion),
+            *(
+                "--json",
+                "--reach=30",
+                "--timeout=15",
+                f"--duration={flight.duration_s:g}",
+                *fault.companion,
+            ),
         )
         yield Scene(
             folder=folder,

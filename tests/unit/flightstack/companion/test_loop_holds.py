@@ -96,7 +96,7 @@ def test_without_images_a_vehicle_that_is_heard_again_lands_too(flight: MadeFlig
 
 def test_an_error_of_our_own_holds_and_lands(flight: MadeFlight) -> None:
     flight.turn(50)
-    flight.loop._stumble(RuntimeError("on purpose"))
+    flight.loop._steering.stumble(RuntimeError("on purpose"), 50_000)
     assert "please report it: RuntimeError('on purpose')" in flight.said.getvalue()
     assert forward_m_s(flight.turn(50)) == [0.0]
     for _ in range(21):
