@@ -13,6 +13,7 @@ from flightstack.printable import printable
 
 if TYPE_CHECKING:
     from flightstack.companion.flight import FlightPlan
+    from flightstack.companion.guards.limits import FlightLimits
     from flightstack.companion.piloting.protocols import GuardedPilot
     from flightstack.mavlink.motion import MotionHistory
 
@@ -73,10 +74,24 @@ def build_parser() -> argparse.ArgumentParser:
     add("--signing-key", type=Path, metavar="FILE", help="sign, and heed only what is signed")
     add("--record-frames", action="store_true", help="keep each frame as PNG, in LOG.frames")
     add("--json", action="store_true", help="last line of output: the result as JSON")
+    _add_limits(parser)
     loudness = parser.add_mutually_exclusive_group()
     loudness.add_argument("-v", "--verbose", action="store_true", help="tell more")
     loudness.add_argument("-q", "--quiet", action="store_true", help="tell only the result")
     return parser
+
+
+def _add_limits(parser: argparse.ArgumentParser) -> None:
+    """Add the limits that hold whatever the pilot asks."""
+    add = parser.add_argument_group(
+        "limits: outside, the vehicle is held, then landed"
+    ).add_argument
+    add("--min-height", type=_number, default=0.3, metavar="M", help="m above home (0.3)")
+    add("--max-height", type=_positive, default=50.0, metavar="M", help="m above home (50)")
+    add("--max-distance", type=_positive, default=300.0, metavar="M", help="from home (300)")
+    add("--max-speed", type=_positive, default=12.0, metavar="M/S", help="horizontal (12)")
+    add("--max-climb", type=_positive, default=5.0, metavar="M/S", help="upwards (5)")
+    add("--max-descent", type=_positive, default=5.0, metavar="M/S", help="downwards (5)")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -168,9 +183,28 @@ def _plan(arguments: argparse.Namespace) -> "FlightPlan":
         lands=not arguments.no_landing,
         takes_over=arguments.take_over,
         reach_s=arguments.reach,
+        limits=_limits(arguments),
         speed_scale=arguments.speed_scale,
         timeout_s=arguments.timeout,
         signing_key=None if arguments.signing_key is None else load_key(arguments.signing_key),
+    )
+
+
+def _limits(arguments: argparse.Namespace) -> "FlightLimits":
+    from flightstack.companion.guards.limits import FlightLimits  # noqa: PLC0415
+
+    if arguments.takeoff_altitude > arguments.max_height:
+        raise UsageError(
+            f"--takeoff-altitude {arguments.takeoff_altitude:g} lies above "
+            f"--max-height {arguments.max_height:g}"
+        )
+    return FlightLimits(
+        min_height_m=arguments.min_height,
+        max_height_m=arguments.max_height,
+        max_distance_m=arguments.max_distance,
+        max_speed_m_s=arguments.max_speed,
+        max_climb_m_s=arguments.max_climb,
+        max_descent_m_s=arguments.max_descent,
     )
 
 
@@ -182,6 +216,13 @@ def _strategy(arguments: argparse.Namespace) -> str:
 
 def _default_log() -> Path:
     return Path("logs", f"companion-{datetime.now(UTC):%Y%m%dT%H%M%S.%f}"[:-3] + "Z.tlog")
+
+
+def _number(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text} is not a number")
+    return value
 
 
 def _positive(text: str) -> float:

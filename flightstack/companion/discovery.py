@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pymavlink.dialects.v20 import common
 
 from flightstack.camera.camera import Camera, open_camera
-from flightstack.companion.loop import ImageQueue
+from flightstack.companion.imaging import ImageQueue
 from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.companion.waiting import wait_for_any
 from flightstack.errors import LinkError
@@ -85,6 +85,14 @@ def wait_for_image(
 def listen(vehicle: VehicleSession, for_s: float) -> None:
     """Take in what is said for a while."""
     _receive_until(vehicle, lambda: False, for_s)
+
+
+def pace(vehicle: VehicleSession, over_s: float) -> float:
+    """Return how much faster than the wall the vehicle's clock runs; 0 where it waits for us."""
+    clock = vehicle.link.clock
+    began_us, began_s = clock.stamp_us, clock.wall_s()
+    listen(vehicle, over_s)
+    return max(0, clock.stamp_us - began_us) / 1e6 / (clock.wall_s() - began_s)
 
 
 def _receive_until(

@@ -13,10 +13,12 @@ from flightstack.companion.console import Console
 from flightstack.companion.discovery import (
     find_camera,
     listen,
+    pace,
     wait_for_camera,
     wait_for_image,
     wait_for_vehicle,
 )
+from flightstack.companion.guards.limits import FlightLimits
 from flightstack.companion.loop import FlightLoop
 from flightstack.companion.mission.records import MissionStatus, Outcome
 from flightstack.companion.piloting.protocols import GuardedPilot
@@ -24,7 +26,8 @@ from flightstack.companion.reporter import Reporter
 from flightstack.companion.signals import landing_first
 from flightstack.companion.summary import FlightSummary
 from flightstack.companion.vehicle_session import VehicleSession
-from flightstack.mavlink.endpoint import Endpoint, Kind
+from flightstack.errors import UsageError
+from flightstack.mavlink.endpoint import ANY_HOST, Endpoint, Kind
 from flightstack.mavlink.link import Link
 from flightstack.mavlink.motion import MotionHistory
 from flightstack.mavlink.signing import Signing
@@ -32,6 +35,9 @@ from flightstack.mavlink.tlog import TlogWriter
 from flightstack.mavlink.transport import open_transport
 
 PILOT_BEATS_S = 2.5  # wall time: whoever steers beats once a second
+DEFAULT_HZ = 20.0  # of a camera that does not say
+PACE_S = 0.5  # wall time: long enough to see a clock run
+TOO_SLOW = 10.0  # times the time between two images
 CAMERA_OPENS_S = 5.0  # wall time: it may start when the vehicle does
 
 
@@ -51,6 +57,7 @@ class FlightPlan:
     takes_over: bool = False  # a vehicle that was armed before, or that has a pilot
     reach_s: float = 300.0  # a silent vehicle that we have lifted is called for so long
     speed_scale: float = 1.0
+    limits: FlightLimits = field(default_factory=FlightLimits)
     timeout_s: float = 60.0  # for vehicle and camera to be found, wall time
     signing_key: bytes | None = field(default=None, repr=False)
 
@@ -84,7 +91,7 @@ def fly(
         camera.announced_hz = vehicle.stream_hz if plan.camera is None else None
         reporter.watch(camera)
         wait_for_image(vehicle, camera, plan.timeout_s, name=uri)
-        gc.freeze()  # libraries and networks stay: no need to look through them again and again
+        _check_speed(pilot, vehicle, console)
         loop = FlightLoop(
             vehicle,
             camera,
@@ -92,6 +99,7 @@ def fly(
             reporter,
             mission=_mission(plan),
             speed_scale=plan.speed_scale,
+            limits=plan.limits,
             recorder=recorder,
         )
         return _run(loop, vehicle, plan)
@@ -120,7 +128,7 @@ def _open_recorder(
 
 def _find(vehicle: VehicleSession, plan: FlightPlan, console: Console) -> str:
     """Wait for the vehicle; return the URI of its camera, or of the one that was named."""
-    console.event(f"waiting for the vehicle on {plan.endpoint}")
+    console.event(f"waiting for the vehicle on {plan.endpoint}{_openness(plan.endpoint)}")
     wait_for_vehicle(vehicle, plan.timeout_s, name=str(plan.endpoint))
     found = vehicle.link.vehicle
     if found is not None and found.signs and plan.signing_key is None:
@@ -131,8 +139,16 @@ def _find(vehicle: VehicleSession, plan: FlightPlan, console: Console) -> str:
     if uri is None:
         uri = find_camera(vehicle, plan.timeout_s)
         check_address(uri, _vehicle_host(vehicle, plan.endpoint), plan.camera_host)
-    console.event(f"vehicle {vehicle.link.system_id} found; opening its camera {uri}")
+    at = "" if found is None or found.address is None else " at {}:{}".format(*found.address)
+    console.event(f"vehicle {vehicle.link.system_id} found{at}; opening its camera {uri}")
     return uri
+
+
+def _openness(endpoint: Endpoint) -> str:
+    """Say who may reach us, where that is everybody."""
+    if endpoint.kind is not Kind.UDP_LISTEN or endpoint.host != ANY_HOST:
+        return ""
+    return f", open to every network; --connect udpin:127.0.0.1:{endpoint.port} for this machine"
 
 
 def _vehicle_host(vehicle: VehicleSession, endpoint: Endpoint) -> str | None:
@@ -143,19 +159,41 @@ def _vehicle_host(vehicle: VehicleSession, endpoint: Endpoint) -> str | None:
     return endpoint.host if endpoint.kind is Kind.TCP else None
 
 
+def _check_speed(pilot: GuardedPilot, vehicle: VehicleSession, console: Console) -> None:
+    """Say whether the pilot keeps up with the camera; raises UsageError where it never could.
+
+    A vehicle in lockstep waits: there no pilot is too slow.
+    """
+    period_s = 1.0 / (vehicle.stream_hz or DEFAULT_HZ)
+    if pilot.image_s <= period_s:
+        return
+    times = pilot.image_s * pace(vehicle, PACE_S) / period_s
+    words = (
+        f"the pilot takes {1000 * pilot.image_s:.0f} ms for an image, {times:.1f} times what the "
+        "camera leaves it"
+    )
+    if times > TOO_SLOW:
+        raise UsageError(f"{words}: more than {TOO_SLOW:g} times is not flown")
+    if times > 1.0:
+        console.warning(f"{words}: decisions will be repeated")
+
+
 def _run(loop: FlightLoop, vehicle: VehicleSession, plan: FlightPlan) -> FlightSummary:
+    gc.freeze()  # libraries and networks stay: no need to look through them again and again
     clock = vehicle.link.clock
     began_s, began_us = clock.wall_s(), clock.stamp_us
-    interrupted = False
+    cut_off: Outcome | None = None
     try:
         with landing_first(loop.stop):
             loop.run()
     except KeyboardInterrupt:
-        interrupted = True
+        cut_off = Outcome.INTERRUPTED
+    except Exception:  # it has been told, at each turn
+        cut_off = Outcome.COMPANION_FAILED
     wall_s = clock.wall_s() - began_s
     status, course = loop.status, vehicle.telemetry.course
     ended_us = clock.stamp_us if status.ended_us is None else status.ended_us
-    outcome = Outcome.INTERRUPTED if interrupted else status.outcome or Outcome.INTERRUPTED
+    outcome = cut_off or status.outcome or Outcome.INTERRUPTED
     return FlightSummary(
         outcome=outcome,
         gates_passed=course.gates_passed,

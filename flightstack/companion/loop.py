@@ -9,14 +9,15 @@ either process ran.
 """
 
 import math
-from typing import Protocol
 
 from flightstack.camera.mailbox import Arrival
 from flightstack.camera.stamps import StampCheck
 from flightstack.camera.watch import ImageWatch
 from flightstack.clock import REBOOT_US
+from flightstack.companion.guards.limits import FlightLimits
 from flightstack.companion.guards.one_pilot import OnePilot
 from flightstack.companion.guards.steering import Steering
+from flightstack.companion.imaging import ImageQueue, Recorder
 from flightstack.companion.latencies import Latencies
 from flightstack.companion.mission.hold import hold_for_camera
 from flightstack.companion.mission.machine import advance
@@ -50,32 +51,10 @@ IMAGES_LOST_S = 10.0  # wall time: a camera is lost even where no telemetry tell
 STEERED = (MissionPhase.ENTERING_OFFBOARD, MissionPhase.FLYING)
 
 
-class ImageQueue(Protocol):
-    """Where images come from, ready for a selector."""
-
-    announced_hz: float | None  # how many a second it says that it gives
-
-    def fileno(self) -> int:
-        """Return what a selector waits on."""
-
-    def take(self) -> Arrival | None:
-        """Take the newest image, if it has not been taken."""
-
-    def restart(self) -> None:
-        """Have the source opened again; never waits."""
-
-
-class Recorder(Protocol):
-    """Where images are kept."""
-
-    def record(self, image: Image) -> None:
-        """Have an image kept; never waits."""
-
-
 class FlightLoop:
     """One flight, from the first image to the last."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  (what a flight is made of, by name)
         self,
         vehicle: VehicleSession,
         camera: ImageQueue,
@@ -84,6 +63,7 @@ class FlightLoop:
         *,
         mission: MissionStatus | None = None,
         speed_scale: float = 1.0,
+        limits: FlightLimits | None = None,
         recorder: Recorder | None = None,
     ) -> None:
         self.status = MissionStatus() if mission is None else mission
@@ -94,18 +74,22 @@ class FlightLoop:
         self._vehicle = vehicle
         self._clock = vehicle.link.clock
         self._camera = camera
-        self._steering = Steering(pilot, vehicle, reporter, self.holds, speed_scale=speed_scale)
+        self._steering = Steering(
+            pilot,
+            vehicle,
+            reporter,
+            self.holds,
+            speed_scale=speed_scale,
+            limits=limits or FlightLimits(),
+        )
         self._reporter = reporter
         self._recorder = recorder
         self._one_pilot = OnePilot()
         self._stamps = StampCheck(self._clock)
         self._images = ImageWatch(camera.announced_hz)
         self._answered_us: int | None = None  # the newest image that was
-        self._restarted_s = self._clock.wall_s()
-        self._image_us = self._clock.stamp_us
-        self._image_s = self._clock.wall_s()
-        self._steered_s = self._image_s
-        self._ticked_us = self._clock.stamp_us
+        self._image_us = self._ticked_us = self._clock.stamp_us
+        self._image_s = self._steered_s = self._restarted_s = self._clock.wall_s()
         self._images_flow = False  # the last turn of the loop has answered one
         self._unanswered: Arrival | None = None  # has come while the vehicle was silent
 
@@ -113,7 +97,10 @@ class FlightLoop:
         """Fly until the mission is done or the vehicle is lost; land on any other way out."""
         try:
             while self.status.phase is not MissionPhase.DONE:
-                self._turn()
+                try:
+                    self._turn()
+                except Exception as error:  # whatever it is, the vehicle is in the air
+                    self._steering.stumble(error, self._clock.stamp_us)
         finally:
             if self.status.phase in OURS:
                 self._vehicle.abandon()
@@ -121,6 +108,8 @@ class FlightLoop:
     def _turn(self) -> None:
         self._sleep()
         self._vehicle.receive()
+        if self._vehicle.link.silence_s > LINK_LOST_S:
+            self._vehicle.receive()  # it may be we who stood still: then it has said something
         if self._vehicle.link.silence_s > LINK_LOST_S:
             self._call()
             return
@@ -148,6 +137,8 @@ class FlightLoop:
         self._images_flow = False
         self._unanswered = self._camera.take() or self._unanswered
         self._vehicle.lose_sight()
+        if self.stop.requested:
+            self._reporter.warn_once("the vehicle is still called: a second Ctrl-C ends at once")
         silence_s = min(self._vehicle.link.silence_s, LONG_S)
         now_us = self._clock.stamp_us + round(silence_s * 1e6)
         self._advance(now_us, vehicle_silent=True)
@@ -160,11 +151,12 @@ class FlightLoop:
         """Let the mission know that the vehicle's time has begun anew, and count from there."""
         before_us = self._vehicle.take_restart()
         if before_us is not None:
+            self._answered_us = None
             now_us = self._image_us = self._ticked_us = self._clock.stamp_us
             self._advance(now_us, restarted_us=before_us)
 
     def _answer(self, arrival: Arrival) -> None:
-        arrival = self._stamps.admit(arrival)
+        arrival = self._stamps.admit(arrival, self._vehicle.telemetry.trigger_us)
         if self._stamps.complaint:
             self._reporter.warn_once(
                 f"the camera's stamps are {self._stamps.complaint}: the time of arrival counts"
@@ -180,6 +172,8 @@ class FlightLoop:
         self._look(image)
         self._image_us, self._image_s = image.stamp_us, self._clock.wall_s()
         self.images += 1
+        if self.status.phase is MissionPhase.FLYING:
+            self._steering.watch_limits(image.stamp_us)
         self._tick(image.stamp_us)
         if self.status.outcome is Outcome.OTHER_PILOT:
             return  # whose vehicle it is: not one setpoint more

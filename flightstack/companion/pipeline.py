@@ -9,8 +9,10 @@ Reference: Arnez et al. 2022, "Quantifying and Using System Uncertainty in UAV N
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from flightstack import extensions, models
-from flightstack.companion.piloting.check import check_latents, check_samples
+from flightstack.companion.piloting.check import check_latents, check_samples, fault_of
 from flightstack.companion.piloting.failure import (
     PERCEPTION,
     POLICY,
@@ -24,7 +26,9 @@ from flightstack.perception.posterior import LatentPosterior, make_posterior
 from flightstack.perception.preprocessing import fit_image
 from flightstack.policy.ensemble import Policy, PolicyEnsemble
 from flightstack.policy.scales import VelocityRange
-from flightstack.records import Decision, Image
+from flightstack.records import VELOCITIES, Decision, Image
+
+LIMITED = (len(VELOCITIES),)  # the shape of what the limits can be put on
 
 
 class Pipeline:
@@ -55,8 +59,8 @@ class Pipeline:
         check_samples(samples)
         self._mark(STRATEGY)
         decision = self._strategy.decide(samples)
-        if not isinstance(decision, Decision):
-            raise PartError(f"gave {type(decision).__name__}, not a Decision")
+        if not isinstance(decision, Decision) or np.shape(decision.command) != LIMITED:
+            raise PartError(fault_of(decision) or "gave no command")
         return replace(decision, command=self._limits.clip(decision.command))
 
 

@@ -1,6 +1,8 @@
 """Turn what happens in flight into lines: phases, gates, the vehicle's own words, what is wrong."""
 
 import math
+import traceback
+from collections.abc import Mapping
 from typing import Protocol
 
 from pymavlink.dialects.v20 import common
@@ -11,6 +13,7 @@ from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.mavlink.commands import CommandRefusal, command_name
 from flightstack.mavlink.telemetry import Telemetry
 from flightstack.mavlink.uncertainty import total_std_m_s
+from flightstack.mavlink_numbers import COMPANION_COMPONENT
 from flightstack.px4_modes import spoken_name
 from flightstack.records import Decision
 
@@ -36,6 +39,7 @@ class Reporter:
         self._gates_passed = 0
         self._decision: Decision | None = None
         self._warned: set[str] = set()
+        self._named: set[int] = set()  # other components
 
     def note_decision(self, decision: Decision) -> None:
         """Remember the newest decision: its uncertainty is told with the next gate."""
@@ -46,6 +50,11 @@ class Reporter:
         if text not in self._warned and len(self._warned) < MAX_WARNINGS:
             self._warned.add(text)
             self._console.warning(text)
+
+    def warn_of_error(self, error: Exception) -> None:
+        """Tell of an error of our own, each once, and with --verbose from where it came."""
+        self.warn_once(f"an error of the companion's own, please report it: {error!r}")
+        self._console.detail("".join(traceback.format_exception(error)))
 
     def watch(self, keeper: Keeper) -> None:
         """Tell, too, when this one fails."""
@@ -69,6 +78,7 @@ class Reporter:
             tell = self._console.detail if _is_question(refusal) else self._console.event
             tell(f"{command_name(refusal.command)}: {refusal.reason}")
         self.report_failures()
+        self._name_others(vehicle.link.others)
         for verdict in vehicle.link.refused:
             self.warn_once(f"messages are refused: {verdict.value}")
         if telemetry.course.gates_passed > self._gates_passed:
@@ -81,6 +91,15 @@ class Reporter:
                 self._warn_of_armed(status, vehicle)
         if status.phase is MissionPhase.FLYING and self._console.wants_live:
             self._console.live(self._flight_line(status, vehicle))
+
+    def _name_others(self, others: Mapping[int, int]) -> None:
+        """Name the other computers of this vehicle, once each."""
+        for component in others.keys() - self._named:
+            self._named.add(component)
+            if component == COMPANION_COMPONENT:
+                self._console.warning("another companion beats as ours does: see --take-over")
+            elif others[component] == common.MAV_TYPE_ONBOARD_CONTROLLER:
+                self._console.event(f"another onboard computer is there: component {component}")
 
     def _warn_of_armed(self, status: MissionStatus, vehicle: VehicleSession) -> None:
         """Tell when a vehicle that was to be landed was not seen disarmed."""

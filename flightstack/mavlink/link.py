@@ -41,6 +41,7 @@ STAMPED = frozenset(
     }
 )
 STAMP_BYTES = 4
+JUMP_US = 600_000_000  # ahead: further than any outage that a flight outlasts
 HEARTBEAT_TYPE = 4  # where its type stands
 # Only the newest of these matters: they are decoded once a drain.
 COALESCED = frozenset(
@@ -51,6 +52,16 @@ COALESCED = frozenset(
     }
 )
 NOBODY = -1
+NO_VEHICLES = frozenset(
+    {
+        common.MAV_TYPE_ANTENNA_TRACKER,
+        common.MAV_TYPE_GCS,
+        common.MAV_TYPE_ONBOARD_CONTROLLER,
+        common.MAV_TYPE_GIMBAL,
+        common.MAV_TYPE_ADSB,
+        common.MAV_TYPE_CAMERA,
+    }
+)
 NOTHING: frozenset[int] = frozenset()
 WANTED = {
     AUTOPILOT_COMPONENT: frozenset(
@@ -116,6 +127,7 @@ class Link:
         self._heard_s = clock.wall_s()
         self.restarts = 0  # of the vehicle, by its own stamps
         self.others: dict[int, int] = {}  # MAV_TYPE of each further component of its system
+        self._jumped_us: int | None = None  # the last stamp, where it does not go on
         self._boot_us = 0  # its newest stamp
         self._protocol = common.MAVLink(None, srcSystem=1, srcComponent=COMPANION_COMPONENT)
         self._newest: dict[int, bytes] = {}
@@ -210,7 +222,7 @@ class Link:
             return
         decoded: list[Message] = []
         self._decode(packet, decoded)
-        if decoded and decoded[0].autopilot != common.MAV_AUTOPILOT_INVALID:
+        if decoded and _speaks_for_a_vehicle(decoded[0]):
             self.vehicle = VehicleIdentity(
                 source[0], decoded[0].autopilot, address, is_signed(packet)
             )
@@ -221,10 +233,19 @@ class Link:
         begin = HEADER_V2 if packet[0] == MAGIC_V2 else HEADER_V1
         end = begin + min(packet[1], STAMP_BYTES)  # MAVLink 2 leaves trailing zeros out
         stamp_us = int.from_bytes(packet[begin:end], "little") * 1000
+        if not self._goes_on(stamp_us):
+            return
         if self._boot_us - stamp_us > REBOOT_US:
             self.restarts += 1
         self._boot_us = stamp_us
         self.clock.observe(stamp_us)
+
+    def _goes_on(self, stamp_us: int) -> bool:
+        """Whether a stamp goes on from the newest, or from a jump: one that jumps alone is none."""
+        ahead_us, jumped_us = stamp_us - self._boot_us, self._jumped_us
+        jumps = self.clock.started and not -REBOOT_US <= ahead_us <= JUMP_US
+        self._jumped_us = stamp_us if jumps else None
+        return not jumps or (jumped_us is not None and abs(stamp_us - jumped_us) <= REBOOT_US)
 
     def _note_other(self, packet: bytes, component: int) -> None:
         """Remember who else beats as part of the vehicle's system."""
@@ -237,3 +258,9 @@ class Link:
             messages.append(self._protocol.decode(bytearray(packet)))
         except common.MAVError:  # a field that the dialect refuses
             return
+
+
+def _speaks_for_a_vehicle(heartbeat: Message) -> bool:
+    """Whether an autopilot sends this, of something that flies or drives."""
+    is_autopilot = heartbeat.autopilot != common.MAV_AUTOPILOT_INVALID
+    return is_autopilot and heartbeat.type not in NO_VEHICLES

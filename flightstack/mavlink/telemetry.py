@@ -90,6 +90,7 @@ class Telemetry:
     landed: LandedState = LandedState.UNKNOWN
     landed_us: int = 0  # since when `landed` holds
     home_altitude_amsl_m: float | None = None
+    home_ned: Vector3 | None = None  # m
     position_ned: Vector3 | None = None  # m
     velocity_ned: Vector3 | None = None  # m/s
     target_ned: Vector3 | None = None  # m/s, the velocity that its controller follows
@@ -108,6 +109,7 @@ class TelemetryReceiver:
         self.stream_uri: str | None = None
         self.stream_hz: float | None = None  # as its camera announces it
         self._clock = clock
+        self._kind: tuple[int, int] | None = None  # MAV_TYPE and MAV_AUTOPILOT of the vehicle
         self._texts: list[StatusText] = []
         self._chunks: dict[tuple[int, int], str] = {}
         self._handlers = {
@@ -147,6 +149,10 @@ class TelemetryReceiver:
     def _heartbeat(self, message: Message) -> None:
         if message.autopilot == common.MAV_AUTOPILOT_INVALID:  # no autopilot: it says nothing here
             return
+        kind = (message.type, message.autopilot)
+        if self._kind not in (None, kind):  # another than before: of no vehicle that we know
+            return
+        self._kind = kind
         self.latest = replace(
             self.latest,
             heartbeat_us=self._clock.stamp_us if self._clock.started else None,
@@ -161,7 +167,11 @@ class TelemetryReceiver:
             self.latest = replace(self.latest, landed=landed, landed_us=self._clock.stamp_us)
 
     def _home_position(self, message: Message) -> None:
-        self.latest = replace(self.latest, home_altitude_amsl_m=message.altitude / 1000)
+        self.latest = replace(
+            self.latest,
+            home_altitude_amsl_m=message.altitude / 1000,
+            home_ned=_known((message.x, message.y, message.z)),
+        )
 
     def _local_position(self, message: Message) -> None:
         self.motion.note_position(message)
@@ -189,9 +199,9 @@ class TelemetryReceiver:
             self.stream_hz = rate_hz if math.isfinite(rate_hz) and rate_hz > 0.0 else None
 
     def _mission_current(self, message: Message) -> None:
-        if message.total == NO_TOTAL:
-            return
         known = self.latest.course
+        if message.total == NO_TOTAL or known.gates_total not in (None, message.total):
+            return  # no course, or not the one that is flown
         course = replace(
             known,
             gates_passed=max(known.gates_passed, min(message.seq, message.total)),

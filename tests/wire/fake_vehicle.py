@@ -41,6 +41,7 @@ class Script:
     stream_breaks_after: int | None = None
     has_camera: bool = True  # without one, time runs free at five times real time
     autopilot: int = 12
+    other_companion: bool = False  # whose heartbeat the vehicle forwards
     signing_key: bytes | None = None
     signing_lag_s: float = 0.0  # how far its signing clock is behind
 
@@ -83,9 +84,7 @@ class FakeVehicle:
     def __exit__(self, *_: object) -> None:
         self._stop.set()
         self._thread.join(10)
-        while select.select([self._udp], [], [], 0.0)[
-            0
-        ]:  # the last answer of a companion that ended
+        while select.select([self._udp], [], [], 0.0)[0]:  # a companion's last answer
             self._listen(0.0)
         for opened in (self._udp, self._http, self._client):
             if opened is not None:
@@ -139,11 +138,15 @@ class FakeVehicle:
         return self.time_us // IMAGE_US
 
     def _heartbeats(self) -> None:
-        autopilot = self.script.autopilot
         base = 29 + (128 if self.armed else 0)
         status = 4 if self.armed else 3 if self.script.armable else 0
-        self._send(common.MAVLink_heartbeat_message(2, autopilot, base, self.mode, status, 3))
+        self._send(
+            common.MAVLink_heartbeat_message(2, self.script.autopilot, base, self.mode, status, 3)
+        )
         self._send(common.MAVLink_heartbeat_message(30, 8, 0, 0, 4, 3), 100)
+
+        if self.script.other_companion:
+            self._send(common.MAVLink_heartbeat_message(18, 8, 0, 0, 4, 3), 191)
 
     def _course(self) -> None:
         if self.script.gates is not None:

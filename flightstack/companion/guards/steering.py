@@ -2,8 +2,14 @@
 
 from dataclasses import replace
 
+from flightstack.companion.guards.limits import FlightLimits
 from flightstack.companion.guards.patience import FramePatience
-from flightstack.companion.mission.hold import hold_for_late_part, hold_for_part
+from flightstack.companion.mission.hold import (
+    hold_for_error,
+    hold_for_late_part,
+    hold_for_part,
+    hold_outside,
+)
 from flightstack.companion.mission.records import Hold, Outcome
 from flightstack.companion.piloting.failure import PartFailure
 from flightstack.companion.piloting.protocols import GuardedPilot
@@ -13,7 +19,9 @@ from flightstack.companion.waiting import Readable
 from flightstack.mavlink.offboard import STILL, Velocities
 from flightstack.records import Image
 
-PART = Outcome.PART_FAILED
+LATE_OFTEN = 10  # images: a machine may be busy for once
+MAX_STUMBLES = 1000  # a minute of images
+PART, OUTSIDE = Outcome.PART_FAILED, Outcome.OUT_OF_LIMITS
 
 
 class Steering:
@@ -27,12 +35,15 @@ class Steering:
         holds: dict[Outcome, Hold],
         *,
         speed_scale: float = 1.0,
+        limits: FlightLimits,
     ) -> None:
         self._pilot, self._vehicle, self._reporter = pilot, vehicle, reporter
         self._holds = holds
-        self._speed_scale = speed_scale
+        self._speed_scale, self._limits = speed_scale, limits
         self._decided_us: int | None = None  # stamp of the image of the newest decision
         self._velocities = STILL  # of it
+        self._stumbles = 0  # errors of our own
+        self._late = 0  # images without a decision of their own
 
     @property
     def may_decide(self) -> bool:
@@ -56,7 +67,24 @@ class Steering:
         self._reporter.note_decision(decision)
         forward, right, down, yaw_rate = decision.command.tolist()
         self._velocities = (forward, right, down, yaw_rate)
-        return self._velocities
+        return self._limits.clip(self._velocities, self._vehicle.telemetry)
+
+    def watch_limits(self, now_us: int) -> None:
+        """Hold a vehicle that is outside its limits, for as long as it is."""
+        breach = self._limits.breach(self._vehicle.telemetry)
+        if breach is None:
+            self._holds.pop(OUTSIDE, None)
+        elif OUTSIDE not in self._holds:
+            self._reporter.warn_once(f"the vehicle {breach} is its limit: it is held")
+            self._holds[OUTSIDE] = hold_outside(now_us)
+
+    def stumble(self, error: Exception, now_us: int) -> None:
+        """Hold, then land, after an error of our own; raise it where it comes at every turn."""
+        self._stumbles += 1
+        self._reporter.warn_of_error(error)
+        self._holds.setdefault(Outcome.COMPANION_FAILED, hold_for_error(now_us))
+        if self._stumbles >= MAX_STUMBLES:
+            raise error
 
     def stand_still(self, image: Image) -> Velocities:
         """Look after the pilot while the vehicle is to stand still."""
@@ -73,7 +101,14 @@ class Steering:
         """Repeat the last decision while the pilot thinks, for as long as for a late image."""
         hold = hold_for_late_part(self._decided_us or now_us, now_us)
         if hold is None:
-            return self._velocities
-        self._reporter.warn_once("the pilot's answer is late: the vehicle is held")
+            self._late += 1
+            if self._late == LATE_OFTEN:
+                self._reporter.warn_once(
+                    f"{self._pilot.part} is slower than the camera: decisions are repeated"
+                )
+            return self._limits.clip(self._velocities, self._vehicle.telemetry)
+        self._reporter.warn_once(
+            f"{self._pilot.part} has not answered for 0.5 s: the vehicle is held"
+        )
         self._holds.setdefault(PART, hold)
         return STILL

@@ -5,6 +5,8 @@ from flightstack.companion.mission.records import Hold, Outcome, Situation
 IMAGE_LATE_US = 500_000
 CAMERA_LOST_US = 2_000_000
 PART_FAILED_US = 2_000_000
+OUTSIDE_US = 2_000_000
+ERROR_US = 1_000_000
 CAMERA_LIES_US = 5_000_000  # more than the other: images that come may come right
 
 
@@ -27,6 +29,16 @@ def hold_for_late_part(decided_us: int, now_us: int) -> Hold | None:
     if now_us < since_us:
         return None
     return Hold(reason=Outcome.PART_FAILED, since_us=since_us, lands_after_us=PART_FAILED_US)
+
+
+def hold_outside(now_us: int) -> Hold:
+    """Return the hold that a vehicle calls for which is outside its limits."""
+    return Hold(reason=Outcome.OUT_OF_LIMITS, since_us=now_us, lands_after_us=OUTSIDE_US)
+
+
+def hold_for_error(now_us: int) -> Hold:
+    """Return the hold that an error of our own calls for."""
+    return Hold(reason=Outcome.COMPANION_FAILED, since_us=now_us, lands_after_us=ERROR_US)
 
 
 def choose_hold(situation: Situation, now_us: int) -> Hold | None:

@@ -24,6 +24,11 @@ class InProcessPilot:
         self._pilot = pilot
         self._marker = PartMarker() if marker is None else marker
 
+    @property
+    def part(self) -> str:
+        """Which part is at work."""
+        return self._marker.part
+
     def check(self) -> PartFailure | None:
         """Say that it may decide again: not even a part that raised is given up."""
         return None

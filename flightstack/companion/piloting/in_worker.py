@@ -84,6 +84,11 @@ class WorkerPilot:
         """Return what a selector waits on."""
         return self._channel.fileno()
 
+    @property
+    def part(self) -> str:
+        """Which part is at work."""
+        return self._marker.part
+
     def check(self) -> PartFailure | None:
         """Say why it will never decide again, where that can be seen without an image."""
         if self.failure is None and self._asked_s is None and wait_for_any(0, self._channel):
@@ -210,7 +215,7 @@ class WorkerPilot:
         if data[:1] == kind:
             return data
         if not data:
-            raise UsageError(f"{self._marker.part} {self._end()} while it was loaded")
+            raise UsageError(f"{self._marker.part} {self._end()} while it was loaded or tried")
         raise REFUSALS.get(data[1], UsageError)(data[2:].decode(errors="replace"))
 
 

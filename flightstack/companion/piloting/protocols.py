@@ -35,6 +35,10 @@ class GuardedPilot(Protocol):
 
     image_s: float  # wall time of one decision, when it was tried
 
+    @property
+    def part(self) -> str:
+        """Which part is at work."""
+
     def check(self) -> PartFailure | None:
         """Say why it will never decide again; None while it may."""
 

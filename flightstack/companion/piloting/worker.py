@@ -74,7 +74,7 @@ def _ready_pilot(channel: socket.socket, load: PilotLoader, marker: PartMarker) 
         channel.send(REFUSED + bytes([error.exit_code]) + str(error).encode())
         return None
     except BaseException as error:
-        reason = f"{marker.part} {explain(error)} while it was loaded"
+        reason = f"{marker.part} {explain(error)} while it was loaded or tried"
         channel.send(REFUSED + bytes([UsageError.exit_code]) + reason.encode())
         return None
     if isinstance(tried, PartFailure):

@@ -27,7 +27,15 @@ ATTEMPTS = 3
 START_S = 120.0  # wall time
 IMAGE_S = 0.05  # vehicle time between images
 MIN_SPEED_FACTOR = 1.0  # times real time: what is slower hangs
-DIED = ("link_lost", "interrupted", "course_over")  # outcomes that say nothing about the pilot
+DIED = (  # outcomes that say nothing about the pilot
+    "link_lost",
+    "interrupted",
+    "course_over",
+    "vehicle_restarted",
+    "found_armed",
+    "other_pilot",
+    "companion_failed",
+)
 RAN_FREE = "running free"  # the vehicle's words where lockstep was lost
 LOG = "companion.tlog"
 

@@ -35,6 +35,12 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, s
         ("--nonsense",),
         ("--udp=14550", "--connect=tcp:host:1"),
         ("-v", "-q"),
+        ("--part-memory=0",),
+        ("--reach=-1",),
+        ("--max-height=0",),
+        ("--min-height=nan",),
+        ("--min-height=60",),
+        ("--max-height=2",),
     ],
 )
 def test_wrong_options_are_usage(

@@ -94,10 +94,29 @@ def test_without_images_a_vehicle_that_is_heard_again_lands_too(flight: MadeFlig
     assert flight.phase() is MissionPhase.LANDING
 
 
+def test_an_error_of_our_own_holds_and_lands(flight: MadeFlight) -> None:
+    flight.turn(50)
+    flight.loop._steering.stumble(RuntimeError("on purpose"), 50_000)
+    assert "please report it: RuntimeError('on purpose')" in flight.said.getvalue()
+    assert forward_m_s(flight.turn(50)) == [0.0]
+    for _ in range(21):
+        flight.turn(50)
+    assert flight.phase() is MissionPhase.LANDING
+    assert flight.loop.status.outcome is Outcome.COMPANION_FAILED
+
+
+def test_an_error_at_every_turn_is_given_up(flight: MadeFlight) -> None:
+    flight.camera.take = None  # type: ignore[method-assign, assignment]
+    with pytest.raises(TypeError):
+        flight.loop.run()
+    assert commands(flight) == [common.MAV_CMD_NAV_LAND]
+
+
 def test_a_vehicle_that_restarts_in_flight_is_said_to(flight: MadeFlight) -> None:
     flight.turn(50)
     flight.turn(19_000)
-    flight.turn(-19_000)
+    for _ in range(2):  # one stamp alone could be an error
+        flight.turn(-19_000, image=False)
     assert flight.loop.status.outcome is Outcome.RESTARTED
     assert flight.loop.status.ended_us == 19_050_000
 
