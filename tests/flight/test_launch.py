@@ -43,6 +43,22 @@ def test_a_warm_start_gives_the_flight_of_a_cold_one(
         assert timeless(fly_request(request, warm)) == timeless(cold)
 
 
+def test_a_course_is_flown_by_an_estimate_that_the_rotors_shake(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    request = FlightRequest(
+        track_seed=3,
+        noise="0.5,1.0",
+        model="strong/b0",
+        speed_factor=0.0,
+        vehicle_options=("-q", "--condition=estimate.rotor_noise_share=1.0"),
+        companion_options=("-q", "--json"),
+    )
+    result = fly_request(request)
+    assert (result.outcome, result.gates_passed) == ("completed", 8)
+
+
 def test_the_readmes_example_flies(tmp_path: Path) -> None:
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
     environment = ENVIRONMENT | {"PYTHONPATH": str(ROOT)}

@@ -15,6 +15,7 @@ from flightstack.companion.flight import FlightPlan, fly
 from flightstack.companion.piloting.in_process import InProcessPilot
 from flightstack.companion.summary import FlightSummary
 from flightstack.mavlink.endpoint import parse_endpoint
+from flightstack.mavlink.motion import MotionHistory
 from flightstack.records import ALL_MEMBERS, Decision, Image
 from tests.wire.fake_vehicle import FakeVehicle, Script
 
@@ -42,7 +43,7 @@ class ForwardPilot:
         )
 
 
-def guarded() -> InProcessPilot:
+def guarded(_motion: MotionHistory) -> InProcessPilot:
     return InProcessPilot(ForwardPilot())
 
 
@@ -70,7 +71,7 @@ class Trial:
         with self.vehicle:
             return fly(
                 self.plan,
-                lambda: InProcessPilot(self.pilot),
+                lambda _motion: InProcessPilot(self.pilot),
                 Console(verbosity=1, stream=self.output),
             )
 
