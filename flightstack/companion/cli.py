@@ -54,11 +54,8 @@ def build_parser() -> argparse.ArgumentParser:
     add("--strategy", help="how it decides (default: the model's); yours as my_package:MyStrategy")
     add("--perception", metavar="NAME", help="your own instead of the model's")
     add("--policy", metavar="NAME", help="your own instead of the model's")
-    add(
-        "--pair-side",
-        choices=("left", "right"),
-        help="which of two gates side by side is meant, for a model that flies by a belief",
-    )
+    sides = "which of two gates side by side is meant, for a model that flies by a belief"
+    add("--pair-side", choices=("left", "right"), help=sides)
     add("--direction", choices=("cw", "ccw"), default="cw", help="of the course (default cw)")
     add("--seed", type=_whole, default=0, help="of the sampling (default 0)")
     add("--takeoff-altitude", type=_positive, default=3.0, metavar="M", help="m above home (3)")
