@@ -153,6 +153,7 @@ class FlightLoop:
         """Let the mission know that the vehicle's time has begun anew, and count from there."""
         before_us = self._vehicle.take_restart()
         if before_us is not None:
+            self._answered_us = None
             now_us = self._image_us = self._ticked_us = self._clock.stamp_us
             self._advance(now_us, restarted_us=before_us)
 

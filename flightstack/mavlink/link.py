@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 from pymavlink.dialects.v20 import common
 
-from flightstack.clock import REBOOT_US, VehicleClock
+from flightstack.clock import VehicleClock
 from flightstack.mavlink.packets import identify, is_signed
 from flightstack.mavlink.signing import Signing, Verdict
 from flightstack.mavlink.tlog import TlogWriter
@@ -41,6 +41,7 @@ STAMPED = frozenset(
     }
 )
 STAMP_BYTES = 4
+RESTART_US = 2_000_000  # back in telemetry: no link keeps a packet for so long
 HEARTBEAT_TYPE = 4  # where its type stands
 # Only the newest of these matters: they are decoded once a drain.
 COALESCED = frozenset(
@@ -229,8 +230,9 @@ class Link:
         begin = HEADER_V2 if packet[0] == MAGIC_V2 else HEADER_V1
         end = begin + min(packet[1], STAMP_BYTES)  # MAVLink 2 leaves trailing zeros out
         stamp_us = int.from_bytes(packet[begin:end], "little") * 1000
-        if self._boot_us - stamp_us > REBOOT_US:
+        if self._boot_us - stamp_us > RESTART_US:
             self.restarts += 1
+            self.clock.begin_anew(stamp_us)
         self._boot_us = stamp_us
         self.clock.observe(stamp_us)
 
