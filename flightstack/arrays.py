@@ -22,3 +22,7 @@ PerSample = Float64[NDArray[np.float64], "N M 4"]
 PerImage = Float64[NDArray[np.float64], "K 4"]
 PerComponent = Float64[NDArray[np.float64], "S K 4"]
 Labels = Float32[NDArray[np.float32], "K 4"]
+
+PerGate = Float64[NDArray[np.float64], "K"]  # K gates seen in one image
+GatePositions = Float64[NDArray[np.float64], "K 3"]
+GateCovariances = Float64[NDArray[np.float64], "K 3 3"]

@@ -13,6 +13,7 @@ import hashlib
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import torch
 from safetensors import SafetensorError, safe_open
@@ -34,6 +35,7 @@ CONFIG_FILE, WEIGHTS_FILE = "config.toml", "weights.safetensors"
 FOLDERS_VARIABLE = "FLIGHTSTACK_MODELS"
 PACKAGE = Path(__file__).parent
 MAX_CONFIG_BYTES = 1 << 20
+MAX_SPEED_M_S = 10.0
 MAX_SIZE = 1 << 16  # of any one dimension: a product of three still fits a tensor's own count
 MAX_ACTIONS = 1 << 20  # N x M x mixture
 DTYPES = {torch.float32: "F32", torch.int64: "I64"}  # as safetensors names them
@@ -67,6 +69,13 @@ class ModelConfig:
                 f"strategy {self.strategy!r} is not flightstack's own: a model is data; "
                 "name code of yours by --strategy"
             ) from error
+
+
+class Recorded(NamedTuple):
+    """What configurations of all kinds of models say."""
+
+    strategy: str  # used where the user names none
+    weights_sha256: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -140,6 +149,19 @@ def read_config(path: Path) -> ModelConfig:
         return record_from_table(ModelConfig, table, where=str(path))
     except (OSError, ValueError) as error:
         raise ModelError(f"{error}" if str(path) in str(error) else f"{path}: {error}") from error
+
+
+def recorded(name: str) -> Recorded:
+    """Return what any model's configuration records, of whatever kind it is; or ModelError."""
+    path = find(name) / CONFIG_FILE
+    try:
+        with path.open("rb") as file:
+            table = read_toml(file.read(MAX_CONFIG_BYTES).decode(), where=str(path))
+        return Recorded(str(table["strategy"]), str(table["weights_sha256"]))
+    except (OSError, ValueError) as error:
+        raise ModelError(f"{path}: {error}") from error
+    except KeyError as error:
+        raise ModelError(f"{path}: {error} is missing") from error
 
 
 def build(config: ModelConfig) -> Model:

@@ -8,7 +8,16 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from flightstack.arrays import CountPerVelocity, PerMember, PerSample, PerVelocity, Rgb
+from flightstack.arrays import (
+    CountPerVelocity,
+    GateCovariances,
+    GatePositions,
+    PerGate,
+    PerMember,
+    PerSample,
+    PerVelocity,
+    Rgb,
+)
 
 VELOCITIES = ("vx", "vy", "vz", "yaw_rate")  # m/s, m/s, m/s, rad/s; body FRD
 ALL_MEMBERS = -1  # Decision.member where every policy was pooled
@@ -21,6 +30,18 @@ class Image:
     stamp_us: int
     sequence: int
     rgb: Rgb
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pose:
+    """Where the vehicle says that it was at one moment."""
+
+    time_us: int
+    position_ned: tuple[float, float, float]  # m
+    velocity_ned: tuple[float, float, float]  # m/s
+    roll_rad: float
+    pitch_rad: float
+    yaw_rad: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,3 +77,18 @@ class Decision:
     member: CountPerVelocity  # the chosen one, or ALL_MEMBERS
     modes: CountPerVelocity  # number of modes of what was decided on
     member_mean: PerMember  # m/s, rad/s; each member's own prediction
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GateDetections:
+    """What one image shows: a set of K gates (0 to many), each with its own uncertainty.
+
+    Positions are of the gates' centres from the camera, in the camera's axes (FRD: forward, right,
+    down; they tilt with the vehicle). A gate looks the same from behind: headings count modulo pi.
+    """
+
+    position_frd: GatePositions  # m
+    covariance_frd: GateCovariances  # m^2
+    heading_rad: PerGate  # of the normal, clockwise from forward, in [-pi/2, pi/2)
+    heading_std_rad: PerGate
+    score: PerGate  # probability that a gate is there, 0 to 1

@@ -48,8 +48,9 @@ def _png_size(content: bytes) -> tuple[int, int] | None:
         at += PNG_OVERHEAD + length
         if at > len(content) or kind in PNG_MOVING or (kind == b"IHDR" and number):
             return None
-        if kind == b"IEND":
-            return height, width
+        if kind == b"IEND":  # nothing behind it that could be taken for a chunk
+            is_last = length == 0 and len(content) - at < PNG_CHUNK.size
+            return (height, width) if is_last else None
     return None
 
 

@@ -1,7 +1,8 @@
 """Believe a camera's stamps while they can be the vehicle's time; else date images by arrival.
 
 A camera that sends the time since 1970, or since its own start, would otherwise set the clock by
-which everything is timed. An image that comes late keeps its stamp: the mission holds for it.
+which everything is timed. An image that comes late keeps its stamp: the mission holds for it. Where
+the vehicle has announced the image, the time that it has announced is better than that of arrival.
 """
 
 from dataclasses import replace
@@ -11,6 +12,7 @@ from flightstack.clock import REBOOT_US, VehicleClock
 
 MAX_AHEAD_US = 2_000_000  # of all that has been told: in lockstep an image is one period ahead
 MAX_BEHIND_US = REBOOT_US
+RECENT_US = 500_000
 
 
 class StampCheck:
@@ -18,18 +20,34 @@ class StampCheck:
 
     def __init__(self, clock: VehicleClock) -> None:
         self.complaint = ""  # what was wrong with the newest image's stamp
+        self._announced_us: int | None = None  # the newest that has stood in for a stamp
         self._clock = clock
 
-    def admit(self, arrival: Arrival) -> Arrival:
-        """Return the image as it is, or with the time of its arrival in place of its stamp."""
+    def admit(self, arrival: Arrival, announced_us: int | None = None) -> Arrival:
+        """Return the image as it is, or with a better time in place of its stamp.
+
+        `announced_us` is the newest image of which the vehicle has told, where it does tell.
+        """
         self.complaint = arrival.odd_stamp and "no time of this vehicle"
         if arrival.stamped:
             self.complaint = self._odds(arrival.image.stamp_us)
         if not self.complaint:
             return arrival
+        if announced_us is not None and self._is_new(announced_us):
+            self._announced_us = announced_us
+            return self._dated(arrival, announced_us, stamped=True)
         since_us = round((self._clock.wall_s() - arrival.received_s) * 1e6)
         stamp_us = max(0, self._clock.now_us() - max(0, since_us))
-        return replace(arrival, image=replace(arrival.image, stamp_us=stamp_us), stamped=False)
+        return self._dated(arrival, stamp_us, stamped=False)
+
+    @staticmethod
+    def _dated(arrival: Arrival, stamp_us: int, *, stamped: bool) -> Arrival:
+        return replace(arrival, image=replace(arrival.image, stamp_us=stamp_us), stamped=stamped)
+
+    def _is_new(self, announced_us: int) -> bool:
+        """Whether this can be the image that has just come."""
+        recent = abs(self._clock.stamp_us - announced_us) <= RECENT_US
+        return recent and announced_us != self._announced_us
 
     def _odds(self, stamp_us: int) -> str:
         if not self._clock.started:

@@ -14,6 +14,8 @@ from flightstack.printable import printable
 if TYPE_CHECKING:
     from flightstack.companion.flight import FlightPlan
     from flightstack.companion.guards.limits import FlightLimits
+    from flightstack.companion.piloting.protocols import GuardedPilot
+    from flightstack.mavlink.motion import MotionHistory
 
 PROGRAM = "flightstack.companion"
 DEFAULT_PORT = "14540"  # PX4's port for companions
@@ -52,6 +54,11 @@ def build_parser() -> argparse.ArgumentParser:
     add("--strategy", help="how it decides (default: the model's); yours as my_package:MyStrategy")
     add("--perception", metavar="NAME", help="your own instead of the model's")
     add("--policy", metavar="NAME", help="your own instead of the model's")
+    add(
+        "--pair-side",
+        choices=("left", "right"),
+        help="which of two gates side by side is meant, for a model that flies by a belief",
+    )
     add("--direction", choices=("cw", "ccw"), default="cw", help="of the course (default cw)")
     add("--seed", type=_whole, default=0, help="of the sampling (default 0)")
     add("--takeoff-altitude", type=_positive, default=3.0, metavar="M", help="m above home (3)")
@@ -104,16 +111,20 @@ def _fly(arguments: argparse.Namespace) -> int:
     # Here, not above: --help and a mistyped option must not wait for OpenCV and torch.
     from flightstack.companion.console import Console  # noqa: PLC0415
     from flightstack.companion.flight import fly  # noqa: PLC0415
-    from flightstack.companion.piloting.protocols import GuardedPilot  # noqa: PLC0415
     from flightstack.companion.signals import ending_at_once  # noqa: PLC0415
 
     plan = _plan(arguments)
 
-    def load_pilot() -> GuardedPilot:
+    def load_pilot(motion: "MotionHistory") -> "GuardedPilot":
         from flightstack.companion.piloting.in_process import start_in_process  # noqa: PLC0415
         from flightstack.companion.piloting.in_worker import WorkerPilot  # noqa: PLC0415
         from flightstack.companion.pipeline import brings_parts, pipeline_loader  # noqa: PLC0415
+        from flightstack.gate_models import is_gate_model  # noqa: PLC0415
 
+        if is_gate_model(arguments.model):
+            return _load_belief(arguments, motion)
+        if arguments.pair_side is not None:
+            raise UsageError(f"--pair-side: {arguments.model} has no belief of where gates are")
         load = pipeline_loader(
             arguments.model,
             arguments.strategy,
@@ -134,6 +145,25 @@ def _fly(arguments: argparse.Namespace) -> int:
     else:
         print(summary.to_text(), flush=True)
     return summary.exit_code
+
+
+def _load_belief(arguments: argparse.Namespace, motion: "MotionHistory") -> "GuardedPilot":
+    from flightstack.companion.belief_pilot import belief_loader  # noqa: PLC0415
+    from flightstack.companion.piloting.in_process import start_in_process  # noqa: PLC0415
+
+    for option in ("perception", "policy"):
+        if getattr(arguments, option) is not None:
+            raise UsageError(f"--{option}: not with {arguments.model}, which flies by a belief")
+    return start_in_process(
+        belief_loader(
+            arguments.model,
+            arguments.strategy,
+            arguments.seed,
+            motion,
+            direction=arguments.direction,
+            pair_side=arguments.pair_side,
+        )
+    )
 
 
 def _plan(arguments: argparse.Namespace) -> "FlightPlan":
@@ -179,9 +209,9 @@ def _limits(arguments: argparse.Namespace) -> "FlightLimits":
 
 
 def _strategy(arguments: argparse.Namespace) -> str:
-    from flightstack.models import CONFIG_FILE, find, read_config  # noqa: PLC0415
+    from flightstack.models import recorded  # noqa: PLC0415
 
-    return arguments.strategy or read_config(find(arguments.model) / CONFIG_FILE).strategy
+    return arguments.strategy or recorded(arguments.model).strategy
 
 
 def _default_log() -> Path:

@@ -29,6 +29,7 @@ from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.errors import UsageError
 from flightstack.mavlink.endpoint import ANY_HOST, Endpoint, Kind
 from flightstack.mavlink.link import Link
+from flightstack.mavlink.motion import MotionHistory
 from flightstack.mavlink.signing import Signing
 from flightstack.mavlink.tlog import TlogWriter
 from flightstack.mavlink.transport import open_transport
@@ -62,7 +63,7 @@ class FlightPlan:
 
 
 def fly(
-    plan: FlightPlan, load_pilot: Callable[[], GuardedPilot], console: Console
+    plan: FlightPlan, load_pilot: Callable[[MotionHistory], GuardedPilot], console: Console
 ) -> FlightSummary:
     """Fly, and say what happened; raises a FlightstackError where no flight begins."""
     clock = VehicleClock()
@@ -79,7 +80,7 @@ def fly(
         link = Link(transport, tlog, clock, signing=signing)
         stack.callback(link.close)
         vehicle = VehicleSession(link, plan.takeoff_altitude_m, publish_members=plan.record_images)
-        pilot = load_pilot()
+        pilot = load_pilot(vehicle.motion)
         stack.callback(pilot.close)
         transport.forget_backlog()
         uri = _find(vehicle, plan, console)

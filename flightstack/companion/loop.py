@@ -88,10 +88,8 @@ class FlightLoop:
         self._stamps = StampCheck(self._clock)
         self._images = ImageWatch(camera.announced_hz)
         self._answered_us: int | None = None  # the newest image that was
-        self._restarted_s = self._clock.wall_s()
         self._image_us = self._ticked_us = self._clock.stamp_us
-        self._image_s = self._clock.wall_s()
-        self._steered_s = self._image_s
+        self._image_s = self._steered_s = self._restarted_s = self._clock.wall_s()
         self._images_flow = False  # the last turn of the loop has answered one
         self._unanswered: Arrival | None = None  # has come while the vehicle was silent
 
@@ -158,7 +156,7 @@ class FlightLoop:
             self._advance(now_us, restarted_us=before_us)
 
     def _answer(self, arrival: Arrival) -> None:
-        arrival = self._stamps.admit(arrival)
+        arrival = self._stamps.admit(arrival, self._vehicle.telemetry.trigger_us)
         if self._stamps.complaint:
             self._reporter.warn_once(
                 f"the camera's stamps are {self._stamps.complaint}: the time of arrival counts"

@@ -8,6 +8,7 @@ from flightstack.mavlink.commands import CommandLong, CommandRefusal, CommandSen
 from flightstack.mavlink.course_download import CourseDownload
 from flightstack.mavlink.heartbeat import HeartbeatSender
 from flightstack.mavlink.link import Link, Message
+from flightstack.mavlink.motion import MotionHistory
 from flightstack.mavlink.offboard import Velocities, velocity_setpoint
 from flightstack.mavlink.telemetry import StatusText, Telemetry, TelemetryReceiver
 from flightstack.mavlink.uncertainty import UncertaintyPublisher
@@ -46,6 +47,11 @@ class VehicleSession:
     def telemetry(self) -> Telemetry:
         """The newest view; a record that never changes."""
         return self._receiver.latest
+
+    @property
+    def motion(self) -> MotionHistory:
+        """How the vehicle has moved, by its telemetry."""
+        return self._receiver.motion
 
     @property
     def stream_uri(self) -> str | None:

@@ -12,6 +12,7 @@ from pymavlink.dialects.v20 import common
 
 from flightstack.clock import VehicleClock
 from flightstack.mavlink.link import Message
+from flightstack.mavlink.motion import MotionHistory
 from flightstack.mavlink_numbers import CAMERA_COMPONENT, REFEREE_COMPONENT
 
 Vector3 = tuple[float, float, float]
@@ -104,12 +105,15 @@ class TelemetryReceiver:
 
     def __init__(self, clock: VehicleClock) -> None:
         self.latest = Telemetry()
+        self.motion = MotionHistory()
         self.stream_uri: str | None = None
         self.stream_hz: float | None = None  # as its camera announces it
         self._clock = clock
+        self._kind: tuple[int, int] | None = None  # MAV_TYPE and MAV_AUTOPILOT of the vehicle
         self._texts: list[StatusText] = []
         self._chunks: dict[tuple[int, int], str] = {}
         self._handlers = {
+            common.MAVLINK_MSG_ID_ATTITUDE: self.motion.note_attitude,
             common.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
             common.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: self._extended_sys_state,
             common.MAVLINK_MSG_ID_HOME_POSITION: self._home_position,
@@ -145,6 +149,10 @@ class TelemetryReceiver:
     def _heartbeat(self, message: Message) -> None:
         if message.autopilot == common.MAV_AUTOPILOT_INVALID:  # no autopilot: it says nothing here
             return
+        kind = (message.type, message.autopilot)
+        if self._kind not in (None, kind):  # another than before: of no vehicle that we know
+            return
+        self._kind = kind
         self.latest = replace(
             self.latest,
             heartbeat_us=self._clock.stamp_us if self._clock.started else None,
@@ -166,6 +174,7 @@ class TelemetryReceiver:
         )
 
     def _local_position(self, message: Message) -> None:
+        self.motion.note_position(message)
         self.latest = replace(
             self.latest,
             position_ned=_known((message.x, message.y, message.z)),
@@ -190,9 +199,9 @@ class TelemetryReceiver:
             self.stream_hz = rate_hz if math.isfinite(rate_hz) and rate_hz > 0.0 else None
 
     def _mission_current(self, message: Message) -> None:
-        if message.total == NO_TOTAL:
-            return
         known = self.latest.course
+        if message.total == NO_TOTAL or known.gates_total not in (None, message.total):
+            return  # no course, or not the one that is flown
         course = replace(
             known,
             gates_passed=max(known.gates_passed, min(message.seq, message.total)),

@@ -160,8 +160,8 @@ class CameraMiddle(Middle):
                 return
             *whole, waiting = (waiting + data).split(IMAGE_END)
             for part in whole:
+                client.sendall(part + IMAGE_END)  # the first has the answer's own head
                 client.sendall(b"".join(self._hostile()))
-                client.sendall(part + IMAGE_END)
 
 
 def _udp() -> socket.socket:

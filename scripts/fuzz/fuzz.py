@@ -67,8 +67,8 @@ def search(target: str, seconds: int) -> bool:
             (fed / str(number)).write_bytes(each)
         survived = _run(target, found, f"-max_total_time={seconds}", str(fed))
         if survived:
-            _run(target, found, "-merge=1", str(kept), str(fed))
-            corpus.write(side, target, _all_of(kept))
+            merged = _run(target, found, "-merge=1", str(kept), str(fed))
+            corpus.write(side, target, _all_of(kept) if merged else before)
         else:
             corpus.write(side, target, before + _all_of(found))
     print(f"{target}: {'survived' if survived else 'FOUND'}", flush=True)
@@ -100,7 +100,8 @@ def fuzz_one(target: str, arguments: list[str]) -> None:
             from scripts.fuzz.companion_targets import TARGETS  # noqa: PLC0415
         else:
             from scripts.fuzz.vehicle_targets import TARGETS  # noqa: PLC0415
-    atheris.Setup([sys.argv[0], *arguments], TARGETS[target])
+    again = f"{sys.executable} {__file__} --one {target}"  # how it starts itself, to merge
+    atheris.Setup([again, *arguments], TARGETS[target])
     atheris.Fuzz()
 
 

@@ -99,7 +99,7 @@ def _weights_of(experiment: Experiment) -> dict[str, str]:
 
 def _checked_sha256(name: str) -> str:
     folder = models.find(name)
-    recorded = models.read_config(folder / models.CONFIG_FILE).weights_sha256
+    recorded = models.recorded(name).weights_sha256
     path = folder / models.WEIGHTS_FILE
     try:
         found = models.file_sha256(path)

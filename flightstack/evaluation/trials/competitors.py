@@ -8,6 +8,7 @@ from flightstack import models
 from flightstack.companion.pipeline import load_pipeline
 from flightstack.errors import UsageError
 from flightstack.evaluation.trials.experiment import Competitor
+from flightstack.gate_models import is_gate_model, load_gate_model
 
 PATH_PARTS = 2  # of a model's folder that name it: its recipe and its name
 PARTS = ("perception", "policy")
@@ -20,7 +21,7 @@ def make_competitors(names: Sequence[str], strategies: Sequence[str]) -> tuple[C
     """
     rows = []
     for model in names:
-        own = models.read_config(models.find(model) / models.CONFIG_FILE).strategy
+        own = models.recorded(model).strategy
         for strategy in strategies or (own,):
             _check_loads(model, strategy)
             name = f"{model_name(model)}-{plain_name(strategy)}"
@@ -36,7 +37,7 @@ def make_users_competitor(
     Raises ModelError or UsageError where it can't fly.
     """
     _check_loads(model, strategy, perception=perception, policy=policy)
-    own = models.read_config(models.find(model) / models.CONFIG_FILE).strategy
+    own = models.recorded(model).strategy
     users = dict(zip(PARTS, (perception, policy), strict=True))
     named = [part for part in (perception, policy, strategy) if part is not None]
     return Competitor(
@@ -52,6 +53,11 @@ def make_users_competitor(
 def _check_loads(
     model: str, strategy: str | None, *, perception: str | None = None, policy: str | None = None
 ) -> None:
+    if is_gate_model(model):
+        load_gate_model(model)
+        if (perception, policy) != (None, None):
+            raise UsageError(f"{model} flies by a belief: it takes no perception and no policy")
+        return
     try:
         load_pipeline(model, strategy, perception=perception, policy=policy)
     except SystemExit as error:  # which extensions let through: it is no Exception

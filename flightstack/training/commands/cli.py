@@ -42,7 +42,18 @@ def _parser() -> argparse.ArgumentParser:
     _add_perception(commands.add_parser("perception", help="train one CM-VAE"))
     _add_policy(commands.add_parser("policy", help="train policies on one CM-VAE"))
     _add_calibrate(commands.add_parser("calibrate", help="measure a model's variances anew"))
+    _add_detector(commands.add_parser("detector", help="train a detector of sets of gates"))
     return parser
+
+
+def _add_detector(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--out", type=Path, required=True, help="the model's folder: RECIPE/NAME")
+    parser.add_argument("--data", type=Path, default=Path("data"), help="where scenes are kept")
+    parser.add_argument(
+        "--files", type=int, choices=range(1, 81), default=2, metavar="N", help="of 40,000 scenes"
+    )
+    parser.add_argument("--epochs", type=int, default=5, help="(default: 5)")
+    _add_seed(parser)
 
 
 def _add_all(parser: argparse.ArgumentParser) -> None:

@@ -7,11 +7,13 @@ import torch
 
 from flightstack import models
 from flightstack.errors import UsageError
+from flightstack.training.commands import detector
 from flightstack.training.commands.all_models import Plan, train_all
 from flightstack.training.data.dataset import join, read_dataset
 from flightstack.training.data.generation import generate_control, generate_perception
 from flightstack.training.data.pictures import write_pictures
 from flightstack.training.data.piloting import Piloting
+from flightstack.training.detector.trainer import DetectorSettings
 from flightstack.training.models.recalibrate import Labelled, recalibrate
 from flightstack.training.perception.trainer import train_perception
 from flightstack.training.policy.trainer import train_policy
@@ -33,8 +35,14 @@ def run(options: argparse.Namespace) -> None:
         "perception": _perception,
         "policy": _policy,
         "calibrate": _calibrate,
+        "detector": _detector,
     }
     commands[options.command](options)
+
+
+def _detector(options: argparse.Namespace) -> None:
+    settings = DetectorSettings(seed=options.seed, epochs=options.epochs)
+    detector.train(options.out, options.data, files=options.files, settings=settings)
 
 
 def _all(options: argparse.Namespace) -> None:

@@ -59,6 +59,8 @@ def with_chunk(piece: bytes) -> bytes:
 
 HUGE = {
     "a chunk of 4 GB": with_chunk(chunk(b"tEXt", b"x" * 50, length=0xFAFFFFD2)),
+    "an end that is none": png(8, 8)[:33] + chunk(b"IEND", b"\xff" * 40, length=20),
+    "more behind the end": png(8, 8)[:33] + chunk(b"IEND", b"") + b"\xff" * 40,
     "a second header": with_chunk(png(100_000, 100_000)[8:33]),
     "an animation": with_chunk(chunk(b"acTL", struct.pack(">II", 2, 0))),
     "half a png": cv2.imencode(".png", picture(1, 2, 3))[1].tobytes()[:-20],

@@ -41,6 +41,14 @@ def test_what_cannot_be_is_dated_by_arrival(
     assert complaint in check.complaint
 
 
+def test_an_image_that_the_vehicle_has_announced_has_the_time_of_that(clock: VehicleClock) -> None:
+    check = StampCheck(clock)
+    first, again = (check.admit(arrival(10**15), 199_990_000) for _ in range(2))
+    assert (first.image.stamp_us, first.stamped) == (199_990_000, True)
+    assert not again.stamped
+    assert not check.admit(arrival(10**15), 150_000_000).stamped
+
+
 def test_a_stamp_before_any_telemetry_is_believed() -> None:
     came = arrival(900_000_000)
     assert StampCheck(VehicleClock()).admit(came) is came

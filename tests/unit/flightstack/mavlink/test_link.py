@@ -120,3 +120,22 @@ def test_logs_both_directions_in_vehicle_time(made: MadeLink) -> None:
         1_000_000,
         1_000_000,
     ]
+
+
+@pytest.mark.parametrize("odd_ms", [0, 2**32 - 1, 1_000_000])
+def test_a_stamp_that_jumps_alone_is_an_error_and_no_time(tmp_path: Path, odd_ms: int) -> None:
+    made = MadeLink(tmp_path)
+    made.say(heartbeat())
+    for stamp_ms in (100_000, odd_ms, 100_030, odd_ms, 100_060):
+        made.say(attitude(stamp_ms))
+        made.link.drain()
+    assert (made.clock.stamp_us, made.link.restarts) == (100_060_000, 0)
+
+
+def test_a_vehicle_that_restarts_is_believed_at_its_second_stamp(tmp_path: Path) -> None:
+    made = MadeLink(tmp_path)
+    made.say(heartbeat())
+    for stamp_ms in (100_000, 200, 230):
+        made.say(attitude(stamp_ms))
+        made.link.drain()
+    assert (made.clock.stamp_us, made.link.restarts) == (230_000, 1)

@@ -1,0 +1,78 @@
+"""Train a gate detector, calibrate it, and write the folder of a model that flies by a belief."""
+
+import json
+from pathlib import Path
+
+from safetensors.torch import save_file
+
+from flightstack.files import write_whole
+from flightstack.models import CONFIG_FILE, WEIGHTS_FILE, file_sha256
+from flightstack.perception.gate_network import GateNetwork
+from flightstack.training.detector.calibration import calibrate, match, metrics_of
+from flightstack.training.detector.store import (
+    FILE_SCENES,
+    VALIDATION_SCENES,
+    Scenes,
+    make_scenes,
+)
+from flightstack.training.detector.trainer import DetectorSettings, Epoch, train_detector
+from flightstack.training.seeds import TRAINING_SCENES
+from flightstack.training.seeds import VALIDATION_SCENES as VALIDATION_SEEDS
+
+STRATEGY, SPEED_M_S = "de-mean", 2.6
+CONFIG = """name = "{name}"
+recipe = "{recipe}"
+strategy = "{strategy}"
+weights_sha256 = "{sha256}"
+speed_m_s = {speed_m_s}
+
+[detector]
+min_score = {calibration.min_score}
+centre_factor = {calibration.centre_factor}
+range_factor = {calibration.range_factor}
+angle_factor = {calibration.angle_factor}
+"""
+
+
+def train(out: Path, data: Path, *, files: int, settings: DetectorSettings) -> None:
+    """Make what scenes are missing, train, calibrate, write; raises nothing of its own."""
+    scenes = make_scenes(data / "scenes", TRAINING_SCENES[:files], FILE_SCENES)
+    validation = make_scenes(data / "validation-scenes", VALIDATION_SEEDS, VALIDATION_SCENES)
+    network = train_detector(scenes, validation, settings, _say)
+    trained = {
+        "scenes": len(scenes),
+        "scene_seeds": [TRAINING_SCENES[0], TRAINING_SCENES[files - 1]],
+        "epochs": settings.epochs,
+        "seed": settings.seed,
+    }
+    write_model(out, network, validation, trained)
+
+
+def write_model(
+    out: Path, network: GateNetwork, validation: Scenes, trained: dict[str, object]
+) -> None:
+    """Calibrate a network, and write its folder; `trained` says how it came about."""
+    out.mkdir(parents=True, exist_ok=True)
+    weights = out / WEIGHTS_FILE
+    save_file({k: v.contiguous() for k, v in network.state_dict().items()}, weights)
+    calibration = calibrate(network, validation)
+    metrics = metrics_of(match(network, validation, calibration))
+    metrics["trained"] = trained
+    write_whole(out / "metrics.json", json.dumps(metrics, indent=1) + "\n")
+    text = CONFIG.format(
+        name=out.name,
+        recipe=out.parent.name,
+        strategy=STRATEGY,
+        sha256=file_sha256(weights),
+        speed_m_s=SPEED_M_S,
+        calibration=calibration,
+    )
+    write_whole(out / CONFIG_FILE, text)
+    print(f"wrote {out}")
+
+
+def _say(epoch: Epoch) -> None:
+    print(
+        f"epoch {epoch.number}: validation {epoch.score_loss:.4f} {epoch.value_loss:.4f}, "
+        f"{epoch.wall_s / 60:.1f} min"
+    )

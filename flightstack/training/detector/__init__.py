@@ -1,0 +1,1 @@
+"""Training of the gate detector: scenes with sets of gates, the network, its calibration."""

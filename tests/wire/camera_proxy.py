@@ -1,0 +1,68 @@
+"""Stand between a vehicle's camera and whoever looks at it, and change what passes."""
+
+import contextlib
+import socket
+import threading
+from collections.abc import Callable
+from typing import Self
+
+HOST = "127.0.0.1"
+CAMERA_PORT = 8090  # + instance
+PART_END = b"\r\n--frame\r\n"
+Change = Callable[[int, bytes], bytes | None]  # number and part: what is sent; None: hang up
+
+
+class CameraProxy:
+    """Serves one client after the other; enter it as a context, then name the vehicle."""
+
+    def __init__(self, change: Change) -> None:
+        self.connections = 0
+        self.vehicle_instance: int | None = None
+        self._change = change
+        self._parts = 0
+        self._stop = threading.Event()
+        self._server = socket.create_server((HOST, 0))
+        self._server.settimeout(0.1)
+        self.uri = f"http://{HOST}:{self._server.getsockname()[1]}/stream"
+        self._thread = threading.Thread(target=self._run, daemon=True)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stop.set()
+        self._thread.join(5)
+        self._server.close()
+
+    def _run(self) -> None:
+        while not self._stop.is_set():
+            with contextlib.suppress(OSError):
+                client, _ = self._server.accept()
+                if self.vehicle_instance is None:
+                    client.close()
+                    continue
+                address = (HOST, CAMERA_PORT + self.vehicle_instance)
+                with client, socket.create_connection(address, 5.0) as camera:
+                    self.connections += 1
+                    self._forward(client, camera)
+
+    def _forward(self, client: socket.socket, camera: socket.socket) -> None:
+        client.settimeout(5.0)
+        camera.settimeout(0.1)
+        camera.sendall(client.recv(4096))
+        waiting = b""
+        while not self._stop.is_set():
+            try:
+                data = camera.recv(1 << 16)
+            except TimeoutError:
+                continue
+            if not data:
+                return
+            *parts, waiting = (waiting + data).split(PART_END)
+            for part in parts:
+                self._parts += 1
+                changed = self._change(self._parts, part)
+                if changed is None:
+                    return
+                client.sendall(changed + PART_END)
