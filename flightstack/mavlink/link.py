@@ -41,11 +41,8 @@ STAMPED = frozenset(
     }
 )
 STAMP_BYTES = 4
-<<<<<<< HEAD
 RESTART_US = 2_000_000  # back in telemetry: no link keeps a packet for so long
-=======
 JUMP_US = 600_000_000  # ahead: further than any outage that a flight outlasts
->>>>>>> main
 HEARTBEAT_TYPE = 4  # where its type stands
 # Only the newest of these matters: they are decoded once a drain.
 COALESCED = frozenset(
@@ -237,13 +234,9 @@ class Link:
         begin = HEADER_V2 if packet[0] == MAGIC_V2 else HEADER_V1
         end = begin + min(packet[1], STAMP_BYTES)  # MAVLink 2 leaves trailing zeros out
         stamp_us = int.from_bytes(packet[begin:end], "little") * 1000
-<<<<<<< HEAD
-        if self._boot_us - stamp_us > RESTART_US:
-=======
         if not self._goes_on(stamp_us):
             return
-        if self._boot_us - stamp_us > REBOOT_US:
->>>>>>> main
+        if self._boot_us - stamp_us > RESTART_US:
             self.restarts += 1
             self.clock.begin_anew(stamp_us)
         self._boot_us = stamp_us
@@ -252,9 +245,9 @@ class Link:
     def _goes_on(self, stamp_us: int) -> bool:
         """Whether a stamp goes on from the newest, or from a jump: one that jumps alone is none."""
         ahead_us, jumped_us = stamp_us - self._boot_us, self._jumped_us
-        jumps = self.clock.started and not -REBOOT_US <= ahead_us <= JUMP_US
+        jumps = self.clock.started and not -RESTART_US <= ahead_us <= JUMP_US
         self._jumped_us = stamp_us if jumps else None
-        return not jumps or (jumped_us is not None and abs(stamp_us - jumped_us) <= REBOOT_US)
+        return not jumps or (jumped_us is not None and abs(stamp_us - jumped_us) <= RESTART_US)
 
     def _note_other(self, packet: bytes, component: int) -> None:
         """Remember who else beats as part of the vehicle's system."""
