@@ -35,7 +35,7 @@ class BeliefSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Motion:
+class OwnMotion:
     """What telemetry tells of the vehicle now."""
 
     pose: Pose  # the newest
@@ -72,7 +72,7 @@ def choose(belief: Belief, pose: Pose, settings: BeliefSettings) -> tuple[Belief
 def act(
     belief: Belief,
     gate: NextGate | None,
-    motion: Motion,
+    motion: OwnMotion,
     settings: BeliefSettings,
     rng: np.random.Generator,
 ) -> ActionSamples:
@@ -103,7 +103,7 @@ def act(
     return _in_body(velocity_ned + slip, yaw_rates, pose.yaw_rad, law)
 
 
-def chance_of_passing(gate: NextGate, motion: Motion) -> float:
+def chance_of_passing(gate: NextGate, motion: OwnMotion) -> float:
     """Return P(pass) of the next gate as it is believed now, by its lateral uncertainty alone."""
     axis = np.array([-math.sin(gate.axis_rad), math.cos(gate.axis_rad), 0.0])
     lateral = math.sqrt(float(axis @ gate.covariance @ axis) + CONTROL_STD_M**2)

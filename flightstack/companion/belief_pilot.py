@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from flightstack.arrays import SmallRgb
-from flightstack.belief.pilot import BeliefSettings, Motion, act, choose, see
+from flightstack.belief.pilot import BeliefSettings, OwnMotion, act, choose, see
 from flightstack.belief.records import Belief
 from flightstack.belief.settings import LawSettings
 from flightstack.companion.piloting.failure import PERCEPTION, POLICY, STRATEGY, PartMarker
@@ -62,7 +62,7 @@ class BeliefPilot:
         if detections is not None:
             self.belief = see(self.belief, detections, pose, self._settings)
         displacement = self._motion.displacement_m_s(DISPLACED_OVER_S) or now.velocity_ned
-        motion = Motion(pose=now, displacement_m_s=displacement)
+        motion = OwnMotion(pose=now, displacement_m_s=displacement)
         self.belief, gate = choose(self.belief, now, self._settings)
         samples = act(self.belief, gate, motion, self._settings, self._rng)
         self._mark(STRATEGY)

@@ -23,7 +23,7 @@ def fly_with(trial: Trial, load: Turning) -> FlightSummary:
     with trial.vehicle:
         return fly(
             trial.plan,
-            lambda: WorkerPilot.start(load, max_memory_bytes=limit),
+            lambda _: WorkerPilot.start(load, max_memory_bytes=limit),
             Console(verbosity=1, stream=trial.output),
         )
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from flightstack.belief.course import weigh
-from flightstack.belief.pilot import BeliefSettings, Motion, act, choose, see
+from flightstack.belief.pilot import BeliefSettings, OwnMotion, act, choose, see
 from flightstack.belief.records import Belief, PassedGate
 from flightstack.records import Pose
 from tests.unit.flightstack.belief.made_gates import Point, pose_at, seen
@@ -50,7 +50,7 @@ def fly(gates: list[tuple[Point, float]], chosen: BeliefSettings, seconds: float
         belief, gate = choose(belief, pose, chosen)
         moved = (float(velocity[0]), float(velocity[1]), float(velocity[2]))
         pose = replace(pose, velocity_ned=moved)
-        samples = act(belief, gate, Motion(pose=pose, displacement_m_s=moved), chosen, rng)
+        samples = act(belief, gate, OwnMotion(pose=pose, displacement_m_s=moved), chosen, rng)
         forward, right, down, rate = samples.mean[0].mean(axis=0).tolist()
         velocity = np.array(
             [
@@ -104,7 +104,7 @@ def test_a_gate_that_was_just_passed_is_not_next() -> None:
 
 
 def test_without_a_gate_it_looks_for_one_and_stands() -> None:
-    motion = Motion(pose=pose_at(), displacement_m_s=(0.0, 0.0, 0.0))
+    motion = OwnMotion(pose=pose_at(), displacement_m_s=(0.0, 0.0, 0.0))
     samples = act(Belief(), None, motion, SETTINGS, np.random.default_rng(0))
     forward, right, down, rate = samples.mean[0].mean(axis=0).tolist()
     assert (forward, right, down) == pytest.approx((0.0, 0.0, 0.0))
@@ -113,7 +113,7 @@ def test_without_a_gate_it_looks_for_one_and_stands() -> None:
 
 def test_the_less_is_known_the_more_the_commands_differ() -> None:
     pose = pose_at()
-    motion = Motion(pose=pose, displacement_m_s=(0.0, 0.0, 0.0))
+    motion = OwnMotion(pose=pose, displacement_m_s=(0.0, 0.0, 0.0))
     spread = []
     for std_m in (0.05, 0.8):
         belief = Belief()
@@ -134,7 +134,7 @@ def test_a_velocity_that_the_estimate_only_dreams_is_added_to_the_command() -> N
     belief, gate = choose(belief, pose, SETTINGS)
     still = (0.0, 0.0, 0.0)
     commands = [
-        act(belief, gate, Motion(pose=each, displacement_m_s=still), SETTINGS,
+        act(belief, gate, OwnMotion(pose=each, displacement_m_s=still), SETTINGS,
             np.random.default_rng(0)).mean[0].mean(axis=0)
         for each in (honest, pose)
     ]  # fmt: skip
