@@ -42,7 +42,7 @@ class ForwardPilot:
         )
 
 
-def guarded() -> InProcessPilot:
+def guarded(_: object) -> InProcessPilot:
     return InProcessPilot(ForwardPilot())
 
 
@@ -70,7 +70,7 @@ class Trial:
         with self.vehicle:
             return fly(
                 self.plan,
-                lambda: InProcessPilot(self.pilot),
+                lambda _: InProcessPilot(self.pilot),
                 Console(verbosity=1, stream=self.output),
             )
 

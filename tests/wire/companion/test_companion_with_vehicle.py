@@ -35,7 +35,7 @@ class Vehicle:
 
     def fly(self, log: Path, pilot: ForwardPilot, **plan: Any) -> FlightSummary:
         flight = FlightPlan(endpoint=self.endpoint, log=log, timeout_s=30.0, **plan)
-        return fly(flight, lambda: InProcessPilot(pilot), Console(verbosity=-1))
+        return fly(flight, lambda _: InProcessPilot(pilot), Console(verbosity=-1))
 
 
 @pytest.fixture
