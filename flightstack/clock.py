@@ -27,10 +27,19 @@ class VehicleClock:
         """Take a stamp; one that is slightly older than the newest changes nothing."""
         if self._anchor is not None and 0 <= self._anchor[0] - stamp_us < REBOOT_US:
             return
-        if self._first_us is None:
-            self._first_us = stamp_us
         if self._anchor is not None and stamp_us < self._anchor[0]:
             self.before_restart_us = self._anchor[0]
+        self._set(stamp_us)
+
+    def begin_anew(self, stamp_us: int) -> None:
+        """Take the first stamp of a vehicle that has restarted, however little it goes back."""
+        if self._anchor is not None and stamp_us < self._anchor[0]:
+            self.before_restart_us = self._anchor[0]
+            self._set(stamp_us)
+
+    def _set(self, stamp_us: int) -> None:
+        if self._first_us is None:
+            self._first_us = stamp_us
         self._anchor = (stamp_us, self.wall_s())
         self.stamp_us = stamp_us
         self.elapsed_us = max(0, stamp_us - self._first_us)

@@ -103,20 +103,6 @@ def act(
     return _in_body(velocity_ned + slip, yaw_rates, pose.yaw_rad, law)
 
 
-def chance_of_passing(gate: NextGate, motion: VehicleMotion) -> float:
-    """Return P(pass) of the next gate as it is believed now, by its lateral uncertainty alone."""
-    axis = np.array([-math.sin(gate.axis_rad), math.cos(gate.axis_rad), 0.0])
-    lateral = math.sqrt(float(axis @ gate.covariance @ axis) + CONTROL_STD_M**2)
-    vertical = math.sqrt(float(gate.covariance[2, 2]) + CONTROL_STD_M**2)
-    del motion
-    inside = [math.erf(CLEARANCE_M / (std * math.sqrt(2.0))) for std in (lateral, vertical)]
-    return gate.probability * inside[0] * inside[1]
-
-
-CONTROL_STD_M = 0.1  # of the vehicle about the law's path
-CLEARANCE_M = 0.4  # half of the opening, less half of the vehicle
-
-
 def _likeliest(belief: Belief, pose: Pose, settings: BeliefSettings) -> NextGate | None:
     if not len(belief.tracks):
         return None

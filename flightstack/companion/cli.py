@@ -63,9 +63,6 @@ def build_parser() -> argparse.ArgumentParser:
     add("--no-landing", action="store_true", help="end in the air: a simulation ends, too")
     add("--speed-scale", type=_positive, default=1.0, metavar="X", help="factor on commands (1)")
     add("--timeout", type=_positive, default=60.0, metavar="S", help="to find the vehicle (60)")
-    add("--reach", type=_positive, default=300.0, metavar="S", help="to call a lost vehicle (300)")
-    add("--take-over", action="store_true", help="go on though armed, or steered by others")
-    add("--part-memory", type=_positive, default=2.0, metavar="GB", help="of your own parts (2)")
     add("--log", type=Path, metavar="PATH", help="tlog (default logs/companion-<UTC>.tlog)")
     add("--signing-key", type=Path, metavar="FILE", help="sign, and heed only what is signed")
     add("--record-frames", action="store_true", help="keep each frame as PNG, in LOG.frames")
@@ -78,7 +75,16 @@ def build_parser() -> argparse.ArgumentParser:
 
 
 def _add_limits(parser: argparse.ArgumentParser) -> None:
-    """Add the limits that hold whatever the pilot asks."""
+    """Add the limits that hold whatever the pilot asks, and what else is there for safety."""
+    parser.add_argument(
+        "--reach", type=_positive, default=300.0, metavar="S", help="to call a lost vehicle (300)"
+    )
+    parser.add_argument(
+        "--take-over", action="store_true", help="go on though armed, or steered by others"
+    )
+    parser.add_argument(
+        "--part-memory", type=_positive, default=2.0, metavar="GB", help="of your own parts (2)"
+    )
     add = parser.add_argument_group(
         "limits: outside, the vehicle is held, then landed"
     ).add_argument

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 from pymavlink.dialects.v20 import common
 
-from flightstack.clock import REBOOT_US, VehicleClock
+from flightstack.clock import VehicleClock
 from flightstack.mavlink.packets import identify, is_signed
 from flightstack.mavlink.signing import Signing, Verdict
 from flightstack.mavlink.tlog import TlogWriter
@@ -41,6 +41,7 @@ STAMPED = frozenset(
     }
 )
 STAMP_BYTES = 4
+RESTART_US = 2_000_000  # back in telemetry: no link keeps a packet for so long
 JUMP_US = 600_000_000  # ahead: further than any outage that a flight outlasts
 HEARTBEAT_TYPE = 4  # where its type stands
 # Only the newest of these matters: they are decoded once a drain.
@@ -235,17 +236,18 @@ class Link:
         stamp_us = int.from_bytes(packet[begin:end], "little") * 1000
         if not self._goes_on(stamp_us):
             return
-        if self._boot_us - stamp_us > REBOOT_US:
+        if self._boot_us - stamp_us > RESTART_US:
             self.restarts += 1
+            self.clock.begin_anew(stamp_us)
         self._boot_us = stamp_us
         self.clock.observe(stamp_us)
 
     def _goes_on(self, stamp_us: int) -> bool:
         """Whether a stamp goes on from the newest, or from a jump: one that jumps alone is none."""
         ahead_us, jumped_us = stamp_us - self._boot_us, self._jumped_us
-        jumps = self.clock.started and not -REBOOT_US <= ahead_us <= JUMP_US
+        jumps = self.clock.started and not -RESTART_US <= ahead_us <= JUMP_US
         self._jumped_us = stamp_us if jumps else None
-        return not jumps or (jumped_us is not None and abs(stamp_us - jumped_us) <= REBOOT_US)
+        return not jumps or (jumped_us is not None and abs(stamp_us - jumped_us) <= RESTART_US)
 
     def _note_other(self, packet: bytes, component: int) -> None:
         """Remember who else beats as part of the vehicle's system."""

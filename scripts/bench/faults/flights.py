@@ -15,6 +15,7 @@ from flightstack.launch.instances import free_instance
 from flightstack.launch.ports import Ports
 from flightstack.launch.processes import Process, Program, module, running
 from flightstack.logs import read
+from flightstack.logs.errors import LogFileError
 from scripts.bench.faults.parts import TRIGGER
 from scripts.bench.faults.relays import CameraRelay, LinkRelay
 
@@ -89,7 +90,8 @@ def fly(fault: Fault, flight: FlightKind, folder: Path, seed: int = 0) -> Flown:
         _wait(lambda: _is_down(scene), GROUND_S)
         flown = _read(scene, code)
     flown.wall_s = time.monotonic() - began_s
-    flown.log_whole = _is_whole(folder / "companion.tlog")
+    logs = (folder / "again.tlog", folder / "companion.tlog")
+    flown.log_whole = _is_whole(next((log for log in logs if log.exists()), logs[-1]))
     return flown
 
 
@@ -197,6 +199,7 @@ def _read(scene: Scene, code: int | None) -> Flown:
 
 def _is_whole(log: Path) -> bool:
     """Whether the log can be read to its end: all complete records come back."""
-    if not log.exists():
+    try:
+        return "HEARTBEAT" in read(log)
+    except (OSError, LogFileError):  # not there, or empty: the flight had not begun
         return False
-    return "HEARTBEAT" in read(log)

@@ -141,7 +141,7 @@ class CameraRelay:
         camera.settimeout(0.1)
         camera.sendall(client.recv(DATAGRAM_BYTES))
         waiting, frozen = b"", b""
-        while not self._stop.is_set() and not self._breaks():
+        while not self._stop.is_set() and not self._breaks() and not _has_left(client):
             try:
                 data = camera.recv(DATAGRAM_BYTES)
             except TimeoutError:
@@ -163,6 +163,11 @@ class CameraRelay:
             self.fault = ""
             return True
         return self.fault == "is gone"
+
+
+def _has_left(client: socket.socket) -> bool:
+    """Whether a client that has nothing more to say has closed its end, or died."""
+    return bool(select.select([client], [], [], 0.0)[0])
 
 
 def _udp() -> socket.socket:
