@@ -76,16 +76,13 @@ def weigh(belief: Belief, pose: Pose, settings: CourseSettings, pair_side: str |
     weights[np.isin(tracks.number, recent)] = -np.inf
     if not geometry.has_begun:
         weights += _first(tracks, pose, settings)
-        course_rad = pose.yaw_rad
     else:
         weights += _after(tracks, geometry, settings)
-        course_rad = geometry.next_axis_rad
-        near = (
-            np.linalg.norm(tracks.position_ned - geometry.last_ned, axis=1) < settings.pair_gap_m[0]
-        )
-        weights[near] = -np.inf  # the gate that was just passed, under another number
+        away_m = np.linalg.norm(tracks.position_ned - geometry.last_ned, axis=1)
+        weights[away_m < settings.pair_gap_m[0]] = -np.inf  # just passed, under another number
     if pair_side is not None:
-        wrong = wrong_side(tracks, course_rad, SIDES[pair_side], settings)
+        axes = course_at(tracks, geometry, pose)
+        wrong = wrong_side(tracks, axes, SIDES[pair_side], settings)
         weights -= settings.wrong_side_penalty * wrong
     if belief.target is not None:
         weights += settings.stay_bonus * (tracks.number == belief.target)
@@ -95,11 +92,24 @@ def weigh(belief: Belief, pose: Pose, settings: CourseSettings, pair_side: str |
     return weights
 
 
+def course_at(tracks: GateTracks, geometry: Geometry, pose: Pose) -> Weights:
+    """Return the course's heading at each gate, were it the next one, rad.
+
+    A chord of a circle stands halfway between the headings at its ends.
+    """
+    if geometry.is_learned or not geometry.has_begun:
+        heading = geometry.next_axis_rad if geometry.has_begun else pose.yaw_rad
+        return np.full(len(tracks), heading)
+    offset = tracks.position_ned - geometry.last_ned
+    chord = np.arctan2(offset[:, 1], offset[:, 0])
+    return np.asarray(2.0 * chord - geometry.axis_rad)
+
+
 def wrong_side(
-    tracks: GateTracks, course_rad: float, side: float, settings: CourseSettings
+    tracks: GateTracks, course_rad: Weights, side: float, settings: CourseSettings
 ) -> Flags:
     """Say which gates have a twin on the side that the mission states (-1 left, 1 right)."""
-    axis_n, axis_e = math.cos(course_rad), math.sin(course_rad)
+    axis_n, axis_e = np.cos(course_rad)[:, None], np.sin(course_rad)[:, None]
     offset = tracks.position_ned[None] - tracks.position_ned[:, None]
     ahead = offset[..., 0] * axis_n + offset[..., 1] * axis_e
     right = -offset[..., 0] * axis_e + offset[..., 1] * axis_n

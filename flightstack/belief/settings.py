@@ -49,7 +49,7 @@ class CourseSettings:
     stay_bonus: float = 1.0  # farther, another has to be so much likelier, log-weight
     min_existence: float = 0.3  # log-odds of a gate that is flown to
     pair_gap_m: tuple[float, float] = (1.4, 3.3)
-    pair_ahead_m: float = 1.0
+    pair_ahead_m: float = 1.3
     pair_height_m: float = 0.7
     wrong_side_penalty: float = 6.0
 
