@@ -153,6 +153,10 @@ def _load_belief(arguments: argparse.Namespace, motion: "MotionHistory") -> "Gua
     from flightstack.companion.belief_pilot import belief_loader  # noqa: PLC0415
     from flightstack.companion.piloting.in_process import start_in_process  # noqa: PLC0415
 
+    from flightstack.companion.pipeline import brings_parts  # noqa: PLC0415
+
+    if brings_parts(arguments.strategy, None, None):
+        raise UsageError(f"--strategy: {arguments.model} takes one of flightstack's own")
     for option in ("perception", "policy"):
         if getattr(arguments, option) is not None:
             raise UsageError(f"--{option}: not with {arguments.model}, which flies by a belief")
