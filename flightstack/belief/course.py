@@ -132,11 +132,9 @@ def describe(
     if not geometry.has_begun:
         is_target = belief.target == int(tracks.number[row])
         prior = belief.approach_rad if is_target else bearing(centre, pose)
-    elif geometry.is_learned:
-        prior = geometry.next_axis_rad
     else:
         chord = centre - geometry.last_ned
-        prior = math.atan2(chord[1], chord[0])
+        prior = math.atan2(chord[1], chord[0]) + geometry.turn_rad / 2.0
     axis, std = _fused_axis(
         float(tracks.heading_rad[row]),
         float(tracks.heading_var[row]),
