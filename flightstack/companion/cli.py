@@ -152,7 +152,6 @@ def _fly(arguments: argparse.Namespace) -> int:
 def _load_belief(arguments: argparse.Namespace, motion: "MotionHistory") -> "GuardedPilot":
     from flightstack.companion.belief_pilot import belief_loader  # noqa: PLC0415
     from flightstack.companion.piloting.in_process import start_in_process  # noqa: PLC0415
-
     from flightstack.companion.pipeline import brings_parts  # noqa: PLC0415
 
     if brings_parts(arguments.strategy, None, None):
