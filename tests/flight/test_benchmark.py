@@ -12,11 +12,11 @@ from tests.paths import ROOT
 
 pytestmark = pytest.mark.flight
 NIGHT = """
-about = "nothing is seen, and so the flight is short"
+about = "hardly anything is seen, and so the flight is short"
 noise_m = [0.0, 0.0]
 
 [conditions.light]
-daylight_share = 0.0
+daylight_share = 0.05
 """
 
 
