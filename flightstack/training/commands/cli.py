@@ -43,6 +43,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_policy(commands.add_parser("policy", help="train policies on one CM-VAE"))
     _add_calibrate(commands.add_parser("calibrate", help="measure a model's variances anew"))
     _add_detector(commands.add_parser("detector", help="train a detector of sets of gates"))
+    _add_export(commands.add_parser("export", help="a model's flight form, from its weights"))
     return parser
 
 
@@ -119,6 +120,10 @@ def _add_calibrate(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--data", type=Path, help="instead: the validation images of control data")
     _add_seed(parser)
+
+
+def _add_export(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("model", nargs="+", help="for example strong/m0")
 
 
 def _add_recipe(parser: argparse.ArgumentParser) -> None:
