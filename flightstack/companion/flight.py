@@ -103,6 +103,7 @@ def fly(
             speed_scale=plan.speed_scale,
             limits=plan.limits,
             recorder=recorder,
+            camera_latency_s=plan.camera_settings.latency_s,
         )
         return _run(loop, vehicle, plan)
 
