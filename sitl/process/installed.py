@@ -1,6 +1,8 @@
 """Say how to install what a command of the simulator lacks: one line, for this installation."""
 
+import json
 import sys
+from importlib.metadata import PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -18,5 +20,14 @@ def require(library: str, extra: str, purpose: str) -> None:
     if (ROOT / CONSTRAINTS).is_file():
         how = f"{python} --constraint {ROOT / CONSTRAINTS} --editable '{ROOT}[{extra}]'"
     else:
-        how = f"{python} 'flightstack[{extra}] @ <the wheel's path or address>'"
+        how = f"{python} 'flightstack[{extra}] @ {_origin()}'"
     raise UsageError(f"{purpose} needs {library}: {how}")
+
+
+def _origin() -> str:
+    """Return what this package was installed from, as pip recorded it."""
+    try:
+        recorded = distribution("flightstack").read_text("direct_url.json")
+        return str(json.loads(recorded or "")["url"])
+    except (PackageNotFoundError, ValueError, KeyError):
+        return "<the wheel's path or address>"
