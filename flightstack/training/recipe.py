@@ -1,14 +1,25 @@
-"""Recipes of training data: TOML files that explain their choices, read into checked records."""
+"""Recipes: TOML files that say what is trained on what, and explain their choices.
+
+A recipe of this package goes by its name, one of yours by its path. Yours may begin with
+`base = "strong"`: then it says only what is different.
+"""
 
 import math
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, field
 from importlib.resources import files
-from typing import Literal, Self
+from pathlib import Path
+from typing import Any, Literal, Self
 
 import numpy as np
 
 from flightstack.errors import UsageError
-from flightstack.tables import read_toml, record_from_table
+from flightstack.tables import read_toml, record_from_table, table_text
+from flightstack.training.hyperparameters import NO_WISHES, Training
+from flightstack.training.scene_recipe import SceneRecipe, packaged_scenes
+
+RECIPE_FILE = "recipe.toml"  # in the folder of a model
+FOLDER_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,36 +116,98 @@ class Dagger:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Recipe:
-    """How to make the data."""
+    """How to make the data, and how to train on them."""
 
-    name: str
+    name: str  # of the folders of its data, runs and models
     views: ViewRecipe
     flights: FlightRecipe
     dagger: Dagger | None = None
+    training: Training = NO_WISHES
+    scenes: SceneRecipe = field(default_factory=lambda: SceneRecipe.read(packaged_scenes()))
 
     @classmethod
     def load(cls, name: str) -> Self:
-        """Read `recipes/<name>.toml`.
+        """Read a recipe of this package, or the file that a name ending in `.toml` is.
 
         Raises:
             UsageError: the recipe is unknown, or a key of it is missing, unknown or ill typed.
 
         """
-        folder = files("flightstack.training") / "recipes"
-        file = folder / f"{name}.toml"
-        if not file.is_file():
-            known = ", ".join(sorted(f.name.removesuffix(".toml") for f in folder.iterdir()))
-            raise UsageError(f"recipe '{name}': unknown; known are: {known}")
-        return cls.parse(name, file.read_text())
+        path = Path(name)
+        if path.suffix != ".toml":
+            return cls.parse(name, _packaged(name))
+        try:
+            text = path.read_text()
+        except (OSError, UnicodeDecodeError) as error:
+            raise UsageError(f"recipe {path}: can't be read: {error}") from error
+        return cls.parse(path.stem, text)
+
+    @classmethod
+    def beside(cls, model: Path, name: str) -> Self:
+        """Read the recipe in a model's folder; without one it is of this package, by its name."""
+        own = model / RECIPE_FILE
+        return cls.load(str(own) if own.is_file() else name)
 
     @classmethod
     def parse(cls, name: str, text: str) -> Self:
         """Build a recipe from TOML text; its [fog] lies over views and flights alike."""
+        where = f"recipe {name}"
         try:
-            table = read_toml(text, where=f"recipe {name}")
+            table = _with_base(read_toml(text, where=where), where)
+            name = _folder_name(table.pop("name", name))
             if "fog" in table:
                 fog = {"fog": table.pop("fog")}
                 table |= {kind: fog | table[kind] for kind in ("views", "flights") if kind in table}
-            return record_from_table(cls, table, where=f"recipe {name}", given={"name": name})
+            if isinstance(table.get("scenes"), dict):
+                table["scenes"] = packaged_scenes() | table["scenes"]
+            return record_from_table(cls, table, where=where, given={"name": name})
         except ValueError as error:
             raise UsageError(str(error)) from error
+
+    def text(self) -> str:
+        """Write it as TOML, with all that its base said, so that it can be read anywhere."""
+        return table_text(self)
+
+
+def _packaged(name: str) -> str:
+    """Return the text of a recipe of this package; raises UsageError."""
+    folder = files("flightstack.training") / "recipes"
+    file = folder / f"{name}.toml"
+    if not file.is_file():
+        known = ", ".join(sorted(f.name.removesuffix(".toml") for f in folder.iterdir()))
+        raise UsageError(
+            f"recipe '{name}': unknown; known are: {known}; one of yours is named by its file, "
+            "which ends in .toml"
+        )
+    return file.read_text()
+
+
+def _with_base(table: dict[str, Any], where: str) -> dict[str, Any]:
+    """Lay a table over the recipe that it names as its base, if it does."""
+    base = table.pop("base", None)
+    if base is None:
+        return table
+    if not isinstance(base, str):
+        raise ValueError(f"{where}: base: expected the name of a recipe, got {base!r}")  # noqa: TRY004
+    return _over(read_toml(_packaged(base), where=base), table)
+
+
+def _over(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+    merged = dict(below)
+    for key, value in above.items():
+        old = merged.get(key)
+        if isinstance(old, dict) and isinstance(value, dict):
+            merged[key] = _over(old, value)
+        else:
+            merged[key] = value
+    return merged
+
+
+def _folder_name(name: object) -> str:
+    """Return the name of a recipe, which names folders; raises ValueError."""
+    if not isinstance(name, str) or not FOLDER_NAME.fullmatch(name):
+        raise ValueError(
+            f"recipe name {name!r}: a name of letters, digits, '-', '_' and '.', since folders "
+            "are called so"
+        )
+    return name

@@ -16,9 +16,11 @@ from flightstack.training.detector.store import (
     make_scenes,
 )
 from flightstack.training.detector.trainer import DetectorSettings, Epoch, train_detector
+from flightstack.training.recipe import RECIPE_FILE, Recipe
 from flightstack.training.seeds import TRAINING_SCENES
 from flightstack.training.seeds import VALIDATION_SCENES as VALIDATION_SEEDS
 
+FILES = 2  # of scenes, where neither options nor recipe say
 STRATEGY, SPEED_M_S = "de-mean", 2.6
 CONFIG = """name = "{name}"
 recipe = "{recipe}"
@@ -34,10 +36,16 @@ angle_factor = {calibration.angle_factor}
 """
 
 
-def train(out: Path, data: Path, *, files: int, settings: DetectorSettings) -> None:
-    """Make what scenes are missing, train, calibrate, write; raises nothing of its own."""
-    scenes = make_scenes(data / "scenes", TRAINING_SCENES[:files], FILE_SCENES)
-    validation = make_scenes(data / "validation-scenes", VALIDATION_SEEDS, VALIDATION_SCENES)
+def train(out: Path, data: Path, recipe: Recipe, *, files: int, settings: DetectorSettings) -> None:
+    """Make what scenes are missing, in DATA/RECIPE, train, calibrate, write.
+
+    Raises UsageError where scenes of another recipe are there.
+    """
+    folder, training = data / recipe.name, recipe.training
+    count = training.file_scenes or FILE_SCENES
+    scenes = make_scenes(folder / "scenes", recipe.scenes, TRAINING_SCENES[:files], count)
+    count = training.validation_scenes or VALIDATION_SCENES
+    validation = make_scenes(folder / "validation-scenes", recipe.scenes, VALIDATION_SEEDS, count)
     network = train_detector(scenes, validation, settings, _say)
     trained = {
         "scenes": len(scenes),
@@ -46,6 +54,7 @@ def train(out: Path, data: Path, *, files: int, settings: DetectorSettings) -> N
         "seed": settings.seed,
     }
     write_model(out, network, validation, trained)
+    write_whole(out / RECIPE_FILE, recipe.text())
 
 
 def write_model(

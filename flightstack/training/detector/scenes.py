@@ -5,9 +5,6 @@ normal, clockwise from the line of sight, modulo pi, since a gate looks the same
 """
 
 import math
-from dataclasses import dataclass
-from importlib.resources import files
-from typing import Self
 
 import cv2
 import numpy as np
@@ -15,8 +12,8 @@ from jaxtyping import Float32
 from numpy.typing import NDArray
 
 from flightstack.arrays import SmallRgb
-from flightstack.tables import read_toml, record_from_table
 from flightstack.training.data.gate_views import PARKED_NED, place
+from flightstack.training.scene_recipe import SceneRecipe, Span
 from sitl import (
     Camera,
     Gate,
@@ -37,44 +34,7 @@ FARTHEST_M = 15.0  # gates beyond are nobody's concern
 NEAREST_M = 0.45  # the frame is out of view
 GROUND_M = 0.8  # half of the frame's height
 TRIES = 40
-Span = tuple[float, float]
 SceneLabels = Float32[NDArray[np.float32], "G 4"]  # u, v (px), distance (m), seen angle (rad)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SceneRecipe:
-    """The ranges that scenes are drawn from; `recipe.toml` explains them."""
-
-    range_m: Span
-    most_gates: int
-    azimuth_rad: float
-    elevation_rad: float
-    gate_yaw_std_rad: float
-    gate_yaw_uniform_share: float
-    tilt_rad: float
-    height_m: Span
-    pair_share: float
-    pair_gap_m: Span
-    crowd_share: float
-    empty_share: float
-    noise_share: float
-    noise_std: Span
-    bad_noise_share: float
-    bad_noise_std: Span
-    blur_share: float
-    blur_std_px: Span
-    bad_blur_share: float
-    bad_blur_std_px: Span
-    dusk_share: float
-    daylight: Span
-    fog_share: float
-    visibility_m: Span
-
-    @classmethod
-    def load(cls) -> Self:
-        """Read the recipe of this package."""
-        text = (files("flightstack.training.detector") / "recipe.toml").read_text()
-        return record_from_table(cls, read_toml(text, where="recipe.toml"), where="recipe.toml")
 
 
 class SceneRenderer:
