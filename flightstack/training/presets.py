@@ -6,7 +6,7 @@ travel with what was trained from them: a checkpoint refuses to go on under othe
 
 from dataclasses import dataclass, field, replace
 
-from flightstack.perception.cmvae import LossWeights
+from flightstack.networks.cmvae import LossWeights
 from flightstack.policy.scales import VelocityRange
 from flightstack.training.hyperparameters import (
     NO_WISHES,

@@ -44,6 +44,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_policy(commands.add_parser("policy", help="train policies on one CM-VAE"))
     _add_calibrate(commands.add_parser("calibrate", help="measure a model's variances anew"))
     _add_detector(commands.add_parser("detector", help="train a detector of sets of gates"))
+    _add_export(commands.add_parser("export", help="a model's flight form, from its weights"))
     return parser
 
 
@@ -142,6 +143,10 @@ def _add_recipe_alone(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--recipe", default="strong", help="strong, paper or a file of yours (default: strong)"
     )
+
+
+def _add_export(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("model", nargs="+", help="for example strong/m0")
 
 
 def _add_recipe(parser: argparse.ArgumentParser) -> None:

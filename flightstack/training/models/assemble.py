@@ -16,6 +16,7 @@ from flightstack.policy.scales import VelocityRange
 from flightstack.tables import table_text
 from flightstack.training.models.card import model_card
 from flightstack.training.models.catalogue import ModelPlan
+from flightstack.training.models.flight_form import export
 from flightstack.training.recipe import RECIPE_FILE, Recipe
 from flightstack.training.runs import FinishedRun
 
@@ -31,7 +32,7 @@ def write_model(
     recipe: Recipe,
     preset: str,
 ) -> None:
-    """Write <recipe>/<name>; the image decoder stays behind, since it never flies."""
+    """Write <recipe>/<name> and its flight form; the image decoder stays behind."""
     folder.mkdir(parents=True, exist_ok=True)
     flies = ("encoder.", "pose_decoder.")
     weights = {key: value for key, value in perception.weights.items() if key.startswith(flies)}
@@ -54,6 +55,7 @@ def write_model(
     )
     write_whole(folder / RECIPE_FILE, recipe.text())
     describe_model(folder, config, plan, _metrics(perception, policy, preset))
+    export(str(folder), report=lambda _: None)
 
 
 def describe_model(
