@@ -85,6 +85,7 @@ class DetectorTraining:
 class Training:
     """How many images, and how each network learns from them."""
 
+    must_learn: bool = True  # False: a trial of the way, whatever comes out of it
     perception_images: int | None = None
     control_images: int | None = None
     calibration_images: int | None = None

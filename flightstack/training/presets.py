@@ -10,8 +10,6 @@ from flightstack.networks.cmvae import LossWeights
 from flightstack.policy.scales import VelocityRange
 from flightstack.training.hyperparameters import (
     NO_WISHES,
-    PerceptionTraining,
-    PolicyTraining,
     Training,
     given,
 )
@@ -31,6 +29,7 @@ class PerceptionSettings:
     dropout: float = 0.2  # rate of the slot after the trunk; 0 for the plain CM-VAE
     image_fraction: float = 0.5  # share of a batch that the image decoder sees
     weights: LossWeights = field(default_factory=LossWeights)
+    must_learn: bool = True  # else what has not learned is no error: a trial of the way
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,6 +47,7 @@ class PolicySettings:
     bootstrap: bool = False  # each member learns from its own draw, with replacement, of the data
     velocity_range: VelocityRange = field(default_factory=VelocityRange)
     mixture: int = 1  # Gaussians of each member
+    must_learn: bool = True  # else what has not learned is no error: a trial of the way
 
 
 IMAGES = {  # of each dataset; `full` is the paper's
@@ -78,12 +78,12 @@ def perception_settings(
     *,
     encoder: str,
     seed: int,
-    wanted: PerceptionTraining = NO_WISHES.perception,
+    training: Training = NO_WISHES,
     epochs: int | None = None,
 ) -> PerceptionSettings:
     """Name the settings of one encoder, "mcd" or "plain"."""
     settings = PerceptionSettings(epochs=PERCEPTION_EPOCHS[preset], seed=seed, dropout=MCD_DROPOUT)
-    settings = replace(settings, **given(wanted))
+    settings = replace(settings, must_learn=training.must_learn, **given(training.perception))
     if encoder == "plain":
         settings = replace(settings, dropout=0.0)
     return settings if epochs is None else replace(settings, epochs=epochs)
@@ -94,7 +94,7 @@ def policy_settings(
     *,
     kind: str,
     seed: int,
-    wanted: PolicyTraining = NO_WISHES.policy,
+    training: Training = NO_WISHES,
     epochs: int | None = None,
 ) -> PolicySettings:
     """Name the settings of one stack: "ensemble", "single" or "deterministic"."""
@@ -104,7 +104,7 @@ def policy_settings(
         epochs=POLICY_EPOCHS[preset],
         seed=seed,
     )
-    settings = replace(settings, **given(wanted))
+    settings = replace(settings, must_learn=training.must_learn, **given(training.policy))
     if kind != "ensemble":
         settings = replace(settings, members=1)
     return settings if epochs is None else replace(settings, epochs=epochs)

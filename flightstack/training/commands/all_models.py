@@ -138,7 +138,7 @@ def train_encoder(plan: Plan, encoder: str) -> None:
             plan.preset,
             encoder=encoder,
             seed=plan.seed,
-            wanted=plan.recipe.training.perception,
+            training=plan.recipe.training,
         ),
         perception_folder(plan.run_folder, encoder, plan.seed),
         device=torch.device(plan.device),
@@ -156,9 +156,7 @@ def _train_stack(plan: Plan, encoder: str, policy: str, flights: Dataset, runs: 
     train_policy(
         flights,
         perception.encoder(),
-        policy_settings(
-            plan.preset, kind=policy, seed=plan.seed, wanted=plan.recipe.training.policy
-        ),
+        policy_settings(plan.preset, kind=policy, seed=plan.seed, training=plan.recipe.training),
         policy_folder(runs, encoder, policy, plan.seed),
         perception=perception.sha256,
         device=torch.device(plan.device),

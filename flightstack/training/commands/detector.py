@@ -19,6 +19,7 @@ from flightstack.training.detector.store import (
 )
 from flightstack.training.detector.trainer import DetectorSettings, Epoch, train_detector
 from flightstack.training.models.flight_form import export
+from flightstack.training.progress import Curves
 from flightstack.training.recipe import RECIPE_FILE, Recipe
 from flightstack.training.seeds import TRAINING_SCENES
 from flightstack.training.seeds import VALIDATION_SCENES as VALIDATION_SEEDS
@@ -37,7 +38,17 @@ def train(out: Path, data: Path, recipe: Recipe, *, files: int, settings: Detect
     scenes = make_scenes(folder / "scenes", recipe.scenes, TRAINING_SCENES[:files], count)
     count = training.validation_scenes or VALIDATION_SCENES
     validation = make_scenes(folder / "validation-scenes", recipe.scenes, VALIDATION_SEEDS, count)
-    network = train_detector(scenes, validation, settings, _say)
+    out.mkdir(parents=True, exist_ok=True)
+    curves = Curves(out, done=0, epochs=settings.epochs)
+
+    def say(epoch: Epoch) -> None:
+        left = curves.add(epoch.number, score_loss=epoch.score_loss, value_loss=epoch.value_loss)
+        print(
+            f"epoch {epoch.number}/{settings.epochs}, {left} left: "
+            f"validation {epoch.score_loss:.4f} {epoch.value_loss:.4f}"
+        )
+
+    network = train_detector(scenes, validation, settings, say)
     trained = {
         "scenes": len(scenes),
         "scene_seeds": [TRAINING_SCENES[0], TRAINING_SCENES[files - 1]],
@@ -69,10 +80,3 @@ def write_model(
     )
     write_whole(out / CONFIG_FILE, table_text(config))
     export(str(out))
-
-
-def _say(epoch: Epoch) -> None:
-    print(
-        f"epoch {epoch.number}: validation {epoch.score_loss:.4f} {epoch.value_loss:.4f}, "
-        f"{epoch.wall_s / 60:.1f} min"
-    )

@@ -93,23 +93,29 @@ def _perception(options: argparse.Namespace) -> None:
         options.preset,
         encoder=options.encoder,
         seed=options.seed,
-        wanted=Recipe.load(options.recipe).training.perception,
+        training=Recipe.load(options.recipe).training,
         epochs=options.epochs,
     )
     train_perception(
-        read_dataset(options.data), settings, options.out, device=torch.device(options.device)
+        read_dataset(options.data),
+        settings,
+        options.out,
+        device=torch.device(options.device),
     )
 
 
 def _policy(options: argparse.Namespace) -> None:
-    wanted = Recipe.load(options.recipe).training.policy
-    if options.bootstrap:
-        wanted = replace(wanted, bootstrap=True)
-    if options.mixture is not None:
-        wanted = replace(wanted, mixture=options.mixture)
     settings = policy_settings(
-        options.preset, kind=options.kind, seed=options.seed, wanted=wanted, epochs=options.epochs
+        options.preset,
+        kind=options.kind,
+        seed=options.seed,
+        training=Recipe.load(options.recipe).training,
+        epochs=options.epochs,
     )
+    if options.bootstrap:
+        settings = replace(settings, bootstrap=True)
+    if options.mixture is not None:
+        settings = replace(settings, mixture=options.mixture)
     perception = read_run(options.perception)
     train_policy(
         join([read_dataset(folder) for folder in options.data]),

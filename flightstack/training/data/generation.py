@@ -22,6 +22,7 @@ from flightstack.training.data.gate_views import ViewRenderer
 from flightstack.training.data.manifest import refuse_other, settings_sha256, write_manifest
 from flightstack.training.data.piloting import Piloting
 from flightstack.training.data.shards import is_finished, write_shard
+from flightstack.training.progress import duration_text
 from flightstack.training.recipe import Recipe
 from flightstack.training.seeds import TRAINING_TRACKS, VALIDATION_TRACKS
 
@@ -135,7 +136,8 @@ def _generate(
     for count in counts:
         done += count
         rate = done / (time.monotonic() - started)
-        report(f"{folder.name}: {done} of {total} images, {rate:.0f} a second")
+        left = duration_text((total - done) / rate)
+        report(f"{folder.name}: {done} of {total} images, {rate:.0f} a second, {left} left")
 
 
 def _make_shard(folder: Path, plan: ShardPlan, make: Make, settings_sha256: str) -> int:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from flightstack.errors import UsageError
-from flightstack.training.hyperparameters import PerceptionTraining
+from flightstack.training.hyperparameters import PerceptionTraining, Training
 from flightstack.training.presets import images_of, perception_settings, policy_settings
 from flightstack.training.recipe import RECIPE_FILE, Recipe
 
@@ -87,7 +87,7 @@ def test_a_file_outside_says_only_what_is_different(tmp_path: Path) -> None:
     assert mine.scenes == replace(strong.scenes, pair_share=0.0)
     assert images_of("full", "control", mine.training) == 500
     assert images_of("full", "perception", mine.training) == 300_000
-    settings = policy_settings("quick", kind="single", seed=0, wanted=mine.training.policy)
+    settings = policy_settings("quick", kind="single", seed=0, training=mine.training)
     assert (settings.hidden, settings.members) == ((32, 16), 1)
 
 
@@ -104,9 +104,9 @@ def test_a_file_that_is_not_there_is_one_line(tmp_path: Path) -> None:
 
 
 def test_a_plain_encoder_has_no_dropout_whatever_a_recipe_says() -> None:
-    wanted = PerceptionTraining(dropout=0.4, latent_dims=7)
+    training = Training(perception=PerceptionTraining(dropout=0.4, latent_dims=7))
     mcd, plain = (
-        perception_settings("quick", encoder=encoder, seed=0, wanted=wanted)
+        perception_settings("quick", encoder=encoder, seed=0, training=training)
         for encoder in ("mcd", "plain")
     )
     assert (mcd.dropout, plain.dropout) == (0.4, 0.0)
