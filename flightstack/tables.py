@@ -69,6 +69,8 @@ def _convert(kind: Any, value: Any, *, where: str) -> Any:
         kind = arguments[0]
         origin, arguments = typing.get_origin(kind), typing.get_args(kind)
     if is_dataclass(kind) and isinstance(kind, type):
+        if isinstance(value, kind):  # somebody else has read it
+            return value
         return record_from_table(kind, value, where=where)
     if origin is typing.Literal:
         if value not in arguments:

@@ -6,7 +6,7 @@ A recipe of this package goes by its name, one of yours by its path. Yours may b
 
 import math
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -17,6 +17,7 @@ from flightstack.errors import UsageError
 from flightstack.tables import read_toml, record_from_table, table_text
 from flightstack.training.hyperparameters import NO_WISHES, Training
 from flightstack.training.scene_recipe import SceneRecipe, packaged_scenes
+from sitl import Scenery, SitlError, parse_conditions
 
 RECIPE_FILE = "recipe.toml"  # in the folder of a model
 FOLDER_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
@@ -44,6 +45,7 @@ class Fog:
         return math.exp(float(rng.uniform(*np.log(self.visibility_m))))
 
 
+PLAIN = Scenery()
 NO_FOG = Fog(share=0.0, visibility_m=(1.0, 1.0))
 
 
@@ -67,6 +69,17 @@ class ViewRecipe:
     noise_share: float
     noise_std: float  # of 255
     fog: Fog = NO_FOG
+    scenery: Scenery = PLAIN
+
+    def __post_init__(self) -> None:
+        """Check what the type alone does not."""
+        seen_deg = self.scenery.field_of_view_deg / 2.0
+        for name in ("azimuth", "elevation"):
+            if (drawn_deg := math.degrees(getattr(self, f"{name}_rad"))) >= seen_deg:
+                raise ValueError(
+                    f"{name}_deg, {drawn_deg:g}, must be below {seen_deg:g}, half of the scenery's "
+                    "field of view: a gate outside of the image cannot be labelled"
+                )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,6 +100,7 @@ class FlightRecipe:
     lost_frames: int  # dropped before a collision or a miss
     held_out_radius_noise_m: tuple[float, float] = (0.0, 0.0)  # never drawn, from low to high
     fog: Fog = NO_FOG
+    scenery: Scenery = PLAIN
 
     def __post_init__(self) -> None:
         """Check what the type alone does not."""
@@ -140,7 +154,7 @@ class Recipe:
             text = path.read_text()
         except (OSError, UnicodeDecodeError) as error:
             raise UsageError(f"recipe {path}: can't be read: {error}") from error
-        return cls.parse(path.stem, text)
+        return cls.parse(path.stem, text, folder=path.parent)
 
     @classmethod
     def beside(cls, model: Path, name: str) -> Self:
@@ -149,8 +163,12 @@ class Recipe:
         return cls.load(str(own) if own.is_file() else name)
 
     @classmethod
-    def parse(cls, name: str, text: str) -> Self:
-        """Build a recipe from TOML text; its [fog] lies over views and flights alike."""
+    def parse(cls, name: str, text: str, folder: Path = Path()) -> Self:
+        """Build a recipe from TOML text; pictures are found from `folder`.
+
+        Its [fog] lies over views and flights alike, its [scenery] under scenes as well. Raises
+        UsageError.
+        """
         where = f"recipe {name}"
         try:
             table = _with_base(read_toml(text, where=where), where)
@@ -158,8 +176,7 @@ class Recipe:
             if "fog" in table:
                 fog = {"fog": table.pop("fog")}
                 table |= {kind: fog | table[kind] for kind in ("views", "flights") if kind in table}
-            if isinstance(table.get("scenes"), dict):
-                table["scenes"] = packaged_scenes() | table["scenes"]
+            _set_scenery(table, where, folder)
             return record_from_table(cls, table, where=where, given={"name": name})
         except ValueError as error:
             raise UsageError(str(error)) from error
@@ -190,6 +207,30 @@ def _with_base(table: dict[str, Any], where: str) -> dict[str, Any]:
     if not isinstance(base, str):
         raise ValueError(f"{where}: base: expected the name of a recipe, got {base!r}")  # noqa: TRY004
     return _over(read_toml(_packaged(base), where=base), table)
+
+
+def _set_scenery(table: dict[str, Any], where: str, folder: Path) -> None:
+    """Give views, flights and scenes the scenery that they, or the recipe as a whole, ask for."""
+    if isinstance(table.get("scenes"), dict) or "scenery" in table:
+        table["scenes"] = packaged_scenes() | table.get("scenes", {})
+    common = table.pop("scenery", None)
+    for kind in ("views", "flights", "scenes"):
+        part = table.get(kind)
+        if isinstance(part, dict) and (asked := part.get("scenery", common)) is not None:
+            table[kind] = part | {"scenery": _read_scenery(asked, where, folder)}
+
+
+def _read_scenery(table: object, where: str, folder: Path) -> Scenery:
+    """Read a scenery as the vehicle does; raises ValueError."""
+    try:
+        scenery = parse_conditions({"scenery": table}, where).scenery
+    except SitlError as error:
+        raise ValueError(str(error)) from error
+    return replace(
+        scenery,
+        gate_pictures=tuple(str((folder / path).resolve()) for path in scenery.gate_pictures),
+        ground_pictures=tuple(str((folder / path).resolve()) for path in scenery.ground_pictures),
+    )
 
 
 def _over(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:

@@ -5,8 +5,10 @@ from importlib.resources import files
 from typing import Any, Self
 
 from flightstack.tables import read_toml, record_from_table
+from sitl import Scenery
 
 Span = tuple[float, float]
+PLAIN = Scenery()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,6 +39,7 @@ class SceneRecipe:
     daylight: Span
     fog_share: float
     visibility_m: Span
+    scenery: Scenery = PLAIN
 
     @classmethod
     def read(cls, table: dict[str, Any]) -> Self:

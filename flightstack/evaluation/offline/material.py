@@ -43,5 +43,8 @@ def make_material(recipe: Recipe, *, images: int, scenes: int, seed: int) -> Mat
         commands=commands.astype(np.float64),
         views=np.stack([image for image, _ in views]),
         poses=np.stack([pose for _, pose in views]).astype(np.float64),
-        scenes={kind: render_scene(kind, scenes, seed=seed) for kind in SPOILS},
+        scenes={
+            kind: render_scene(kind, scenes, seed=seed, scenery=recipe.views.scenery)
+            for kind in SPOILS
+        },
     )

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from safetensors.torch import save_file
 
+from flightstack.errors import UsageError
 from flightstack.files import write_whole
 from flightstack.gate_models import GateModelConfig
 from flightstack.models import CONFIG_FILE, WEIGHTS_FILE, file_sha256
@@ -25,6 +26,7 @@ from flightstack.training.seeds import TRAINING_SCENES
 from flightstack.training.seeds import VALIDATION_SCENES as VALIDATION_SEEDS
 
 FILES = 2  # of scenes, where neither options nor recipe say
+FIELD_OF_VIEW_DEG = 90.0  # that its cells are made for
 STRATEGY, SPEED_M_S = "de-mean", 2.6
 
 
@@ -33,6 +35,11 @@ def train(out: Path, data: Path, recipe: Recipe, *, files: int, settings: Detect
 
     Raises UsageError where scenes of another recipe are there.
     """
+    if recipe.scenes.scenery.field_of_view_deg != FIELD_OF_VIEW_DEG:
+        raise UsageError(
+            f"recipe {recipe.name}: a detector takes images of {FIELD_OF_VIEW_DEG:g} degrees, not "
+            f"{recipe.scenes.scenery.field_of_view_deg:g}: leave field_of_view_deg out"
+        )
     folder, training = data / recipe.name, recipe.training
     count = training.file_scenes or FILE_SCENES
     scenes = make_scenes(folder / "scenes", recipe.scenes, TRAINING_SCENES[:files], count)

@@ -23,7 +23,7 @@ from flightstack.training.data.manifest import refuse_other, settings_sha256, wr
 from flightstack.training.data.piloting import Piloting
 from flightstack.training.data.shards import is_finished, write_shard
 from flightstack.training.progress import duration_text
-from flightstack.training.recipe import Recipe
+from flightstack.training.recipe import PLAIN, Recipe
 from flightstack.training.seeds import TRAINING_TRACKS, VALIDATION_TRACKS
 
 SPLITS = {"train": 1, "validation": 2}  # the numbers enter the seeds
@@ -57,7 +57,10 @@ def describe(
     kind: str, recipe: Recipe, seed: int, piloting: Piloting | None = None
 ) -> dict[str, Any]:
     """Name all that a dataset's bytes depend on, but its size."""
-    settings = asdict(recipe.views if kind == "perception" else recipe.flights)
+    part = recipe.views if kind == "perception" else recipe.flights
+    settings = asdict(part)
+    if part.scenery == PLAIN:  # as before there was any other
+        del settings["scenery"]
     about = {"kind": kind, "recipe": recipe.name, "seed": seed, "settings": settings}
     return about if piloting is None else {**about, "pilot": piloting.describe()}
 

@@ -32,7 +32,6 @@ from sitl import (
 IMAGE_PX = 64
 FARTHEST_M = 15.0  # gates beyond are nobody's concern
 NEAREST_M = 0.45  # the frame is out of view
-GROUND_M = 0.8  # half of the frame's height
 TRIES = 40
 SceneLabels = Float32[NDArray[np.float32], "G 4"]  # u, v (px), distance (m), seen angle (rad)
 
@@ -43,9 +42,11 @@ class SceneRenderer:
     def __init__(self, recipe: SceneRecipe) -> None:
         self._recipe = recipe
         self._parked = tuple(
-            Gate(index=i, centre_ned=PARKED_NED, yaw_rad=0.0) for i in range(recipe.most_gates)
+            Gate(index=i, centre_ned=PARKED_NED, yaw_rad=0.0, shape=recipe.scenery.gate)
+            for i in range(recipe.most_gates)
         )
-        self._camera = Camera(self._parked, draw_look(np.random.default_rng(0)))
+        self._camera = Camera(self._parked, draw_look(np.random.default_rng(0), recipe.scenery))
+        self._lowest_m = recipe.scenery.gate.outer_m / 2.0  # of a centre above ground
 
     def close(self) -> None:
         """Free the renderer."""
@@ -74,7 +75,7 @@ class SceneRenderer:
         nearest_m = _log_uniform(rng, recipe.range_m)
         first = self._draw_gate(rng, position, attitude, nearest_m)
         if kind < recipe.empty_share + recipe.pair_share:
-            gates = [first, _beside(first, float(rng.uniform(*recipe.pair_gap_m)), rng)]
+            gates = [first, self._beside(first, rng)]
             further = int(rng.integers(3))
         elif kind < recipe.empty_share + recipe.pair_share + recipe.crowd_share:
             gates, further = [first], int(rng.integers(2, recipe.most_gates))
@@ -93,10 +94,10 @@ class SceneRenderer:
             azimuth = float(rng.uniform(-recipe.azimuth_rad, recipe.azimuth_rad))
             elevation = float(rng.uniform(-recipe.elevation_rad, recipe.elevation_rad))
             centre = place(position, attitude, distance_m, azimuth, elevation)
-            if centre[2] < -GROUND_M:
+            if centre[2] < -self._lowest_m:
                 break
         else:
-            centre = (centre[0], centre[1], -GROUND_M)
+            centre = (centre[0], centre[1], -self._lowest_m)
         if rng.random() < recipe.gate_yaw_uniform_share:
             turn = float(rng.uniform(-math.pi, math.pi))
         else:
@@ -104,9 +105,22 @@ class SceneRenderer:
         heading = euler_from_quaternion(attitude)[2]
         return Gate(index=0, centre_ned=centre, yaw_rad=wrap_pi(heading + turn))
 
+    def _beside(self, gate: Gate, rng: np.random.Generator) -> Gate:
+        """Put a twin to the left or right."""
+        gap_m = float(rng.uniform(*self._recipe.pair_gap_m))
+        side = gap_m if rng.random() < 0.5 else -gap_m
+        north, east, down = gate.centre_ned
+        centre = (
+            north - side * math.sin(gate.yaw_rad),
+            east + side * math.cos(gate.yaw_rad),
+            min(down + float(rng.normal(0.0, 0.15)), -self._lowest_m),
+        )
+        yaw = gate.yaw_rad + float(rng.normal(0.0, 0.1))
+        return Gate(index=0, centre_ned=centre, yaw_rad=wrap_pi(yaw))
+
     def _draw_look(self, rng: np.random.Generator) -> Look:
         recipe = self._recipe
-        look = draw_look(rng)
+        look = draw_look(rng, recipe.scenery)
         if rng.random() < recipe.dusk_share:
             look = at_dusk(look, _log_uniform(rng, recipe.daylight))
         if rng.random() < recipe.fog_share:
@@ -149,19 +163,6 @@ def labels_of(gates: tuple[Gate, ...], position: Vector3, attitude: Quaternion) 
             seen = gate.yaw_rad - heading - math.atan2(right, ahead)
             labels.append((u, v, distance_m, math.remainder(seen, math.pi)))
     return np.array(sorted(labels, key=lambda label: label[2]), np.float32).reshape(-1, 4)
-
-
-def _beside(gate: Gate, gap_m: float, rng: np.random.Generator) -> Gate:
-    """Put a twin to the left or right."""
-    side = gap_m if rng.random() < 0.5 else -gap_m
-    north, east, down = gate.centre_ned
-    centre = (
-        north - side * math.sin(gate.yaw_rad),
-        east + side * math.cos(gate.yaw_rad),
-        min(down + float(rng.normal(0.0, 0.15)), -GROUND_M),
-    )
-    yaw = gate.yaw_rad + float(rng.normal(0.0, 0.1))
-    return Gate(index=0, centre_ned=centre, yaw_rad=wrap_pi(yaw))
 
 
 def _log_uniform(rng: np.random.Generator, span: Span) -> float:

@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 
 from flightstack.errors import UsageError
+from flightstack.training.data.generation import describe
 from flightstack.training.hyperparameters import PerceptionTraining, Training
 from flightstack.training.presets import images_of, perception_settings, policy_settings
 from flightstack.training.recipe import RECIPE_FILE, Recipe
+from tests.paths import DOCS
 
 STRONG_TEXT = (files("flightstack.training") / "recipes" / "strong.toml").read_text()
 
@@ -60,6 +62,12 @@ def test_an_unknown_recipe_names_the_known() -> None:
             "training.policy: learning_rate must be from 0 to 1, got 2",
         ),
         ("[dagger]", "[training.perception]\nbatch = 1\n[dagger]", "batch must be from 2"),
+        ("[dagger]", "[scenery]\nlens = 1\n[dagger]", "scenery.lens: unknown key; known are gate"),
+        (
+            "[dagger]",
+            "[scenery]\nfield_of_view_deg = 80\n[dagger]",
+            "azimuth_deg, 43, must be below 40, half of the scenery's field of view",
+        ),
         ("[dagger]", "[scenes]\ngates = 1\n[dagger]", "scenes: unknown key 'gates'"),
         ("[views]  #", "name = '../x'\n[views]  #", "recipe name '../x': a name of letters"),
         ("[views]  #", "base = 'weak'\n[views]  #", "recipe 'weak': unknown"),
@@ -111,3 +119,33 @@ def test_a_plain_encoder_has_no_dropout_whatever_a_recipe_says() -> None:
     )
     assert (mcd.dropout, plain.dropout) == (0.4, 0.0)
     assert mcd.latent_dims == plain.latent_dims == 7
+
+
+def test_a_world_of_its_own_lies_under_views_flights_and_scenes(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(
+        "base = 'strong'\n[scenery]\nfield_of_view_deg = 100\nground_pictures = ['lawn.png']\n"
+        "[scenery.gate]\noutline = 'circle'\ninner_m = 0.8\nouter_m = 1.0\n"
+    )
+    recipe = Recipe.load(str(path))
+    assert recipe.views.scenery == recipe.flights.scenery == recipe.scenes.scenery
+    assert recipe.views.scenery.gate.outline == "circle"
+    assert recipe.views.scenery.ground_pictures == (str(tmp_path / "lawn.png"),)
+    copy = tmp_path / "elsewhere"
+    copy.mkdir()
+    (copy / RECIPE_FILE).write_text(recipe.text())
+    assert Recipe.beside(copy, "cake") == recipe
+
+
+def test_data_of_the_plain_world_are_what_they_were_before_there_were_others() -> None:
+    for kind in ("perception", "control"):
+        assert "scenery" not in describe(kind, Recipe.load("strong"), 0)["settings"]
+
+
+def test_the_recipe_in_the_document_is_one(tmp_path: Path) -> None:
+    section = (DOCS / "training-and-evaluation.md").read_text().partition("of your own\n")[2]
+    path = tmp_path / "my.toml"
+    path.write_text(section.split("```toml\n")[1].split("```")[0])
+    recipe = Recipe.load(str(path))
+    assert recipe.views.scenery.gate.outline == "circle"
+    assert recipe.training.policy.hidden == (256, 128)
