@@ -8,9 +8,11 @@ from collections.abc import Sequence
 from types import ModuleType
 
 from flightstack.errors import FlightstackError
+from flightstack.libraries import require
 
 PROGRAM = "python -m flightstack.evaluation"
 COMMANDS = ("ablation", "benchmark", "figures", "ladder", "offline", "table")
+LIBRARIES = ("pybullet", "joblib", "scipy", "matplotlib")
 EXIT_INTERRUPTED = 130
 
 
@@ -19,6 +21,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parse(arguments)
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     try:
+        require("evaluation", *LIBRARIES)
         _module(options.command).run(options)
     except FlightstackError as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)

@@ -64,6 +64,8 @@ class WorkerPilot:
         wall_s: Callable[[], float] = time.monotonic,
     ) -> Self:
         """Fork the worker and wait until it is ready; raises UsageError or ModelError if not."""
+        if sys.platform != "linux":
+            raise UsageError("parts of your own fly on Linux alone, which can watch their process")
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         marker = PartMarker()
         sys.stdout.flush()
@@ -223,13 +225,19 @@ class _Process:
     """A process that a selector can wait on: it can be read when it has ended."""
 
     def __init__(self, process_id: int) -> None:
-        self._descriptor = os.pidfd_open(process_id)
+        self._descriptor = _open_process(process_id)
 
     def fileno(self) -> int:
         return self._descriptor
 
     def close(self) -> None:
         os.close(self._descriptor)
+
+
+def _open_process(process_id: int) -> int:
+    if sys.platform != "linux":
+        raise NotImplementedError
+    return os.pidfd_open(process_id)
 
 
 def memory_bytes(process_id: int | None) -> int:

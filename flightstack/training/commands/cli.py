@@ -10,8 +10,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from flightstack.errors import FlightstackError
+from flightstack.libraries import require
 
 PROGRAM = "python -m flightstack.training"
+LIBRARIES = ("torch", "pybullet", "joblib", "onnx", "onnxscript", "safetensors", "scipy")
 EXIT_INTERRUPTED = 130
 TRAINED = Path("trained")  # never models/, whose weights come with flightstack
 
@@ -22,6 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
     try:
+        require("training", *LIBRARIES)
         # Here, not above: --help and a mistyped option must not wait for torch.
         from flightstack.training.commands.steps import run  # noqa: PLC0415
 
