@@ -6,8 +6,9 @@ import sys
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
+from flightstack.arguments.parser import OptionParser
 from flightstack.errors import FlightstackError, UsageError
 from flightstack.printable import printable
 
@@ -29,17 +30,10 @@ exit codes: 0 done, 1 mission failed, 2 usage, 3 no vehicle, link or camera, 4 b
 130 interrupted. SIGINT and SIGTERM land first; a second one ends at once."""
 
 
-class _CompanionParser(argparse.ArgumentParser):
-    """argparse, with errors of one line."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message}; --help lists the options\n")
-
-
-def build_parser() -> argparse.ArgumentParser:
+def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
     """Describe the command line."""
-    parser = _CompanionParser(
-        prog=PROGRAM,
+    parser = OptionParser(
+        prog=program,
         description="Fly a MAVLink vehicle through gates by what its camera sees.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -96,16 +90,16 @@ def _add_limits(parser: argparse.ArgumentParser) -> None:
     add("--max-descent", type=_positive, default=5.0, metavar="M/S", help="downwards (5)")
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Run the companion; returns the exit code."""
-    arguments = build_parser().parse_args(argv)
+    arguments = build_parser(program).parse_args(argv)
     try:
         return _fly(arguments)
     except FlightstackError as error:
-        print(f"{PROGRAM}: {printable(str(error))}", file=sys.stderr)
+        print(f"{program}: {printable(str(error))}", file=sys.stderr)
         return error.exit_code
     except KeyboardInterrupt:
-        print(f"{PROGRAM}: interrupted", file=sys.stderr)
+        print(f"{program}: interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
 
 

@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from flightstack.arguments.parser import OptionParser
 from flightstack.errors import FlightstackError, UsageError
 from flightstack.launch.processes import Stream, programs, started
 from flightstack.launch.px4 import held_ports, prepared_px4
@@ -18,19 +19,19 @@ PROGRAM = "scripts/fly"
 DID_NOT_FLY = "did not fly"
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Fly; the companion's exit code is the command's."""
-    options = _parse(argv)
+    options = build_parser(program).parse_args(argv)
     try:
         request = _request(options)
         with tempfile.TemporaryFile("w+") as output:
-            exit_code = _fly(request, output if options.json else None)
+            exit_code = _fly(request, output if options.json else None, program)
             if options.json:
                 output.seek(0)
                 print(_result_line(output.read(), request, exit_code))
             return exit_code
     except FlightstackError as error:
-        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        print(f"{program}: {error}", file=sys.stderr)
         return error.exit_code
 
 
@@ -49,7 +50,7 @@ def _request(options: argparse.Namespace) -> FlightRequest:
     )
 
 
-def _fly(request: FlightRequest, output: Stream) -> int:
+def _fly(request: FlightRequest, output: Stream, program: str) -> int:
     """Fly with the processes' words on the terminal; signals are for the companion."""
     with held_ports(request) as ports, prepared_px4(request, ports) as px4:
         both = programs(request, ports, companion=(output, None))
@@ -59,7 +60,7 @@ def _fly(request: FlightRequest, output: Stream) -> int:
             exit_code = pair.wait()
             died = None if px4 is None else px4.explain_end(pair)
             if died is not None:
-                print(f"{PROGRAM}: {died}", file=sys.stderr)
+                print(f"{program}: {died}", file=sys.stderr)
             return exit_code
 
 
@@ -80,9 +81,10 @@ def _px4_of(options: argparse.Namespace) -> Path | None:
     return px4
 
 
-def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        prog=PROGRAM, description="Fly one course in simulation and say what happened."
+def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
+    """Describe the command line."""
+    parser = OptionParser(
+        prog=program, description="Fly one course in simulation and say what happened."
     )
     add = parser.add_argument
     add("--laps", type=int, default=1, help="laps of 8 gates (default 1)")
@@ -104,4 +106,4 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     add("--px4", type=Path, metavar="PATH", help="build folder or binary of a real PX4")
     add("--px4-folder", type=Path, metavar="DIR", help="where PX4 runs and leaves its logs")
     add("--json", action="store_true", help="last line of output: the result as one JSON object")
-    return parser.parse_args(argv)
+    return parser
