@@ -16,6 +16,7 @@ from flightstack.launch.request import GIVES_UP, FlightRequest
 from flightstack.launch.result import FlightResult, noise_m
 
 PROGRAM = "scripts/fly"
+PARTS = ("strategy", "perception", "policy", "pilot")  # that a user may bring
 DID_NOT_FLY = "did not fly"
 
 
@@ -41,12 +42,18 @@ def _request(options: argparse.Namespace) -> FlightRequest:
         track_seed=options.track_seed,
         noise=options.noise,
         model=options.model,
-        strategy=options.strategy,
         speed_factor=0.0 if options.fast else options.speed_factor,
         px4=_px4_of(options),
         px4_folder=options.px4_folder,
-        vehicle_options=("-q",),
-        companion_options=(*GIVES_UP, *(("--json",) if options.json else ())),
+        vehicle_options=(
+            *("-q", f"--seed={options.seed}"),
+            *(f"--condition={change}" for change in options.condition),
+        ),
+        companion_options=(
+            *(*GIVES_UP, f"--seed={options.seed}"),
+            *(f"--{part}={name}" for part in PARTS if (name := getattr(options, part))),
+            *(("--json",) if options.json else ()),
+        ),
     )
 
 
@@ -97,6 +104,17 @@ def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
     )
     add("--model", help="which model flies (default: the companion's)")
     add("--strategy", help="how it decides (default: the model's)")
+    add("--perception", metavar="NAME", help="your own: see docs/bring-your-own.md")
+    add("--policy", metavar="NAME", help="your own")
+    add("--pilot", metavar="NAME", help="your own, in place of model, perception, policy, strategy")
+    add("--seed", type=int, default=0, help="of light, sensors and sampling (default 0)")
+    add(
+        *("--condition",),
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="of the day, as camera.latency_s=0.1: see docs/conditions.md",
+    )
     speed = parser.add_mutually_exclusive_group()
     speed.add_argument(
         "--speed-factor", type=float, default=1.0, help="times real time (default 1)"
