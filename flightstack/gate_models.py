@@ -7,16 +7,18 @@ where theirs have [perception] and [policy].
 from dataclasses import dataclass
 from pathlib import Path
 
-import torch
-from safetensors import SafetensorError
-from safetensors.torch import load_file
-
 from flightstack import models
 from flightstack.errors import ModelError
 from flightstack.perception.gate_decoding import DetectionCalibration
 from flightstack.perception.gate_detector import GateDetector
-from flightstack.perception.gate_network import GateNetwork
 from flightstack.tables import read_toml, record_from_table
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DetectorFlightForm:
+    """The hash of a detector's graph; empty where it has not been exported."""
+
+    detector_sha256: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,6 +30,7 @@ class GateModelConfig:
     strategy: str  # used where the user names none
     weights_sha256: str
     speed_m_s: float  # along a gate's axis, when aligned
+    flight: DetectorFlightForm = DetectorFlightForm()
     detector: DetectionCalibration
 
     def __post_init__(self) -> None:
@@ -51,22 +54,21 @@ def is_gate_model(name: str) -> bool:
 
 def load_gate_model(name: str) -> GateModel:
     """Load a model; raises ModelError where it is unknown, damaged, or no detector."""
-    torch.set_num_threads(models.THREADS)
     folder = models.find(name)
+    config = read_gate_config(folder)
+    sha256 = config.flight.detector_sha256
+    if not sha256:
+        raise models.unexported(name)
+    return GateModel(config=config, detector=GateDetector(folder, config.detector, sha256=sha256))
+
+
+def read_gate_config(folder: Path) -> GateModelConfig:
+    """Read and check a folder's config.toml; raises ModelError."""
     path = folder / models.CONFIG_FILE
     try:
-        config = record_from_table(GateModelConfig, _table(path), where=str(path))
+        return record_from_table(GateModelConfig, _table(path), where=str(path))
     except ValueError as error:
         raise ModelError(str(error)) from error
-    network = GateNetwork().to(memory_format=torch.channels_last)  # type: ignore[call-overload]
-    weights = folder / models.WEIGHTS_FILE
-    try:
-        if models.file_sha256(weights) != config.weights_sha256:
-            raise ModelError(f"{weights} is damaged: its hash is not what config.toml records")
-        network.load_state_dict(load_file(weights))
-    except (OSError, SafetensorError, RuntimeError) as error:
-        raise ModelError(f"{weights} does not fit: {error}") from error
-    return GateModel(config=config, detector=GateDetector(network, config.detector))
 
 
 def _table(path: Path) -> dict[str, object]:

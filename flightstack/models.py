@@ -1,12 +1,12 @@
-"""Find, check and load a trained model: `<recipe>/<name>`, a folder of weights and configuration.
+"""Find, check and load a trained model: `<recipe>/<name>`, a folder of networks and configuration.
 
-A model's folder holds config.toml (what it is), weights.safetensors (encoder, gate-pose heads and
-policies, named by the hash that config.toml records), README.md (its card) and metrics.json.
+A model's folder holds config.toml (what it is), encoder.onnx and policies.onnx (its flight form,
+named by the hashes that config.toml records), weights.safetensors (what training goes on from, and
+the flight form is exported from: see networks/trained.py), README.md (its card) and metrics.json.
 Folders are looked for where FLIGHTSTACK_MODELS says, else in the repository, else in the package.
 
 A folder is data, whoever made it. It names parts of flightstack and never code, which comes from
-the command line alone; and its weights are read once their shapes are known to be what config.toml
-says.
+the command line alone.
 """
 
 import hashlib
@@ -15,19 +15,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-import torch
-from safetensors import SafetensorError, safe_open
-from safetensors.torch import load_file
-from torch import Tensor, nn
-
 from flightstack.decision.strategies import make_strategy
 from flightstack.errors import ModelError, UsageError
 from flightstack.perception.config import PerceptionConfig
-from flightstack.perception.decoders import GatePoseDecoder
-from flightstack.perception.dronet import Dronet
-from flightstack.perception.labels import LABELS
+from flightstack.perception.encoder import Encoder
 from flightstack.policy.config import PolicyConfig
-from flightstack.policy.network import PolicyStack
+from flightstack.policy.networks import PolicyNetworks
 from flightstack.tables import read_toml, record_from_table
 
 DEFAULT_MODEL = "strong/m0"
@@ -38,8 +31,14 @@ MAX_CONFIG_BYTES = 1 << 20
 MAX_SPEED_M_S = 10.0
 MAX_SIZE = 1 << 16  # of any one dimension: a product of three still fits a tensor's own count
 MAX_ACTIONS = 1 << 20  # N x M x mixture
-DTYPES = {torch.float32: "F32", torch.int64: "I64"}  # as safetensors names them
-THREADS = 1  # the networks are too small to share among more
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightForm:
+    """The hashes of a model's graphs; empty where they have not been exported."""
+
+    encoder_sha256: str = ""
+    policies_sha256: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,6 +49,7 @@ class ModelConfig:
     recipe: str
     strategy: str  # used where the user names none
     weights_sha256: str
+    flight: FlightForm = FlightForm()
     perception: PerceptionConfig
     policy: PolicyConfig
 
@@ -80,37 +80,39 @@ class Recorded(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Model:
-    """A model's networks, loaded and ready for inference."""
+    """A model's networks in their flight form, loaded."""
 
     config: ModelConfig
-    encoder: Dronet
-    pose_decoder: GatePoseDecoder
-    policies: PolicyStack
+    encoder: Encoder
+    policies: PolicyNetworks
 
 
 def load(name: str) -> Model:
-    """Load a model by name ("strong/m0") or by the path of its folder, and warm it up.
+    """Load a model by name ("strong/m0") or by the path of its folder.
 
-    Sets torch to one thread for the whole process. Raises ModelError when the model is unknown,
-    damaged, or does not fit its configuration.
+    Raises ModelError when the model is unknown, damaged, or does not fit its configuration.
     """
-    torch.set_num_threads(THREADS)
     folder = find(name)
     config = read_config(folder / CONFIG_FILE)
-    weights = _read_weights(folder / WEIGHTS_FILE, config)
-    model = build(config)
-    for prefix, network in networks(model).items():
-        network.load_state_dict(
-            {
-                key.removeprefix(prefix): value
-                for key, value in weights.items()
-                if key.startswith(prefix)
-            }
-        )
-    with torch.inference_mode():  # torch's first pass is slow
-        mean, _ = model.encoder(torch.zeros(1, 3, 64, 64))
-        model.policies(mean)
-    return model
+    if not (config.flight.encoder_sha256 and config.flight.policies_sha256):
+        raise unexported(name)
+    return Model(
+        config=config,
+        encoder=Encoder(folder, config.perception, sha256=config.flight.encoder_sha256),
+        policies=PolicyNetworks(
+            folder,
+            config.policy,
+            latent_dims=config.perception.latent_dims,
+            sha256=config.flight.policies_sha256,
+        ),
+    )
+
+
+def unexported(name: str) -> ModelError:
+    """Say of a model that it has weights alone."""
+    return ModelError(
+        f"{name} has no flight form yet: 'python -m flightstack.training export {name}' makes it"
+    )
 
 
 def find(name: str) -> Path:
@@ -164,69 +166,7 @@ def recorded(name: str) -> Recorded:
         raise ModelError(f"{path}: {error} is missing") from error
 
 
-def build(config: ModelConfig) -> Model:
-    """Build the networks that a configuration describes, their weights still at random."""
-    perception = config.perception
-    encoder = Dronet(latent_dims=perception.latent_dims, dropout=perception.dropout)
-    policies = PolicyStack(
-        config.policy, latent_dims=perception.latent_dims, generator=torch.Generator()
-    )
-    return Model(
-        config=config,
-        encoder=encoder.to(memory_format=torch.channels_last).eval(),  # type: ignore[call-overload]
-        pose_decoder=GatePoseDecoder(len(LABELS)).eval(),
-        policies=policies.eval(),
-    )
-
-
-def networks(model: Model) -> dict[str, nn.Module]:
-    """Name the networks whose weights a model's file holds, by the prefix of their names."""
-    return {
-        "encoder.": model.encoder,
-        "pose_decoder.": model.pose_decoder,
-        "policies.": model.policies,
-    }
-
-
 def file_sha256(path: Path) -> str:
     """Hash a file."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
-
-
-def _read_weights(path: Path, config: ModelConfig) -> dict[str, Tensor]:
-    try:
-        if not path.is_file():
-            raise ModelError(f"{path} cannot be read: there is no such file")
-        if file_sha256(path) != config.weights_sha256:
-            raise ModelError(f"{path} is damaged: its hash is not what {CONFIG_FILE} records")
-        _check_shapes(path, config)
-        return load_file(path)
-    except (OSError, SafetensorError) as error:
-        raise ModelError(f"{path} cannot be read: {error}") from error
-
-
-def _check_shapes(path: Path, config: ModelConfig) -> None:
-    """Compare a file's table of contents with what a configuration needs; allocates neither."""
-    with safe_open(path, "pt") as file:
-        slices = {key: file.get_slice(key) for key in file.keys()}  # noqa: SIM118  (no dict)
-        found = {key: (each.get_dtype(), tuple(each.get_shape())) for key, each in slices.items()}
-    with torch.device("meta"):
-        needed = {
-            prefix + key: (DTYPES[value.dtype], tuple(value.shape))
-            for prefix, network in networks(build(config)).items()
-            for key, value in network.state_dict().items()
-        }
-    for key in sorted(needed.keys() & found.keys()):
-        if found[key] != needed[key]:
-            (kind, shape), (needed_kind, needed_shape) = found[key], needed[key]
-            has = (shape, needed_shape) if shape != needed_shape else (kind, needed_kind)
-            raise _misfit(path, f"{key} is {has[0]}, not {has[1]}")
-    for key in sorted(needed.keys() - found.keys()):
-        raise _misfit(path, f"{key} is missing")
-    for key in sorted(found.keys() - needed.keys()):
-        raise _misfit(path, f"they hold unknown parts, such as {key!r}")
-
-
-def _misfit(path: Path, what: str) -> ModelError:
-    return ModelError(f"{path.parent}: the weights do not fit {CONFIG_FILE}: {what}")

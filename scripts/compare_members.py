@@ -14,9 +14,9 @@ import torch
 from rich.console import Console
 from rich.table import Table
 
-from flightstack import models
 from flightstack.evaluation.offline.scenes import render_scene
-from flightstack.policy.network import PolicyStack
+from flightstack.networks.policy_stack import PolicyStack
+from flightstack.networks.trained import TrainedModel, load_trained
 from flightstack.records import VELOCITIES
 from flightstack.training.batches import Images
 from flightstack.training.data.dataset import Dataset, read_dataset
@@ -43,7 +43,7 @@ def main() -> None:
     parser.add_argument("--images", type=int, default=400, help="of double gates (default: 400)")
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
-    model, data = models.load(options.model), read_dataset(options.data)
+    model, data = load_trained(options.model), read_dataset(options.data)
     gates = render_scene("double gate", options.images, seed=options.seed)
     table = Table(title=f"Members on the encoder of {options.model}, {options.epochs} epochs")
     for column in ("members", "NLL, sum", "90 % covers", "disagree: validation", "double gates"):
@@ -59,7 +59,7 @@ def main() -> None:
 
 
 def _measure(
-    settings: PolicySettings, model: models.Model, data: Dataset, gates: Images
+    settings: PolicySettings, model: TrainedModel, data: Dataset, gates: Images
 ) -> tuple[str, ...]:
     with tempfile.TemporaryDirectory() as folder:
         run = train_policy(
@@ -77,7 +77,7 @@ def _measure(
 
 
 def disagreement(
-    stack: PolicyStack, model: models.Model, images: Images, settings: PolicySettings
+    stack: PolicyStack, model: TrainedModel, images: Images, settings: PolicySettings
 ) -> tuple[float, ...]:
     """Root mean square deviation between the members' mean predictions, (4,)."""
     mean, _ = predict(

@@ -59,9 +59,9 @@ def needed() -> dict[str, set[str]]:
     found: dict[str, set[str]] = {}
     extras = {BASE: project["dependencies"], **project["optional-dependencies"]}
     for extra, requirements in extras.items():
-        if extra == "dev":
-            continue
         for requirement in requirements:
+            if name_of(requirement) == project["name"]:  # its own extras stand here already
+                continue
             for name in closure(name_of(requirement), set()):
                 found.setdefault(name, set()).add(extra)
     for name in TOOLS_OF_THEIR_OWN:

@@ -5,7 +5,17 @@ from typing import Any, Self
 from beartype import BeartypeConf, FrozenDict, beartype
 from jaxtyping import install_import_hook
 
-ROOMS = ("records", "perception", "policy", "decision", "training", "models", "extensions")
+ROOMS = (
+    "records",
+    "inference",
+    "perception",
+    "policy",
+    "decision",
+    "networks",
+    "training",
+    "models",
+    "extensions",
+)
 
 checked = beartype(
     conf=BeartypeConf(

@@ -9,34 +9,27 @@ PROGRAM = "flightstack"
 
 
 class SubCommand(NamedTuple):
-    """A sub-command. Its module has `build_parser(program)` and `main(arguments, program)`."""
+    """One of them. Its module has `build_parser(program)` and `main(arguments, program)`."""
 
     about: str
     module: str  # by name: what is not asked for is not imported, nor need it be installed
-    extra: str | None = None  # of the package, which installs what the command needs
 
     def load(self) -> ModuleType:
-        """Import its module."""
+        """Import its module, which itself says what it lacks."""
         return importlib.import_module(self.module)
 
 
 COMMANDS = {
     "fly": SubCommand(
-        "fly one course in simulation, and say what happened", "flightstack.launch.cli", "sim"
+        "fly one course in simulation, and say what happened", "flightstack.launch.cli"
     ),
-    "sitl": SubCommand("a simulated PX4-style quadrotor with a camera", "sitl.process.cli", "sim"),
+    "sitl": SubCommand("a simulated PX4-style quadrotor with a camera", "sitl.process.cli"),
     "companion": SubCommand(
         "fly a MAVLink vehicle by what its camera sees", "flightstack.companion.cli"
     ),
-    "logs": SubCommand(
-        "inspect MAVLink logs, and the vehicle's own", "flightstack.logs.cli", "logs"
-    ),
-    "train": SubCommand(
-        "make data, train, write models", "flightstack.training.commands.cli", "training"
-    ),
-    "evaluate": SubCommand(
-        "judge models, and policies of yours", "flightstack.evaluation.cli", "evaluation"
-    ),
+    "logs": SubCommand("inspect MAVLink logs, and the vehicle's own", "flightstack.logs.cli"),
+    "train": SubCommand("make data, train, write models", "flightstack.training.commands.cli"),
+    "evaluate": SubCommand("judge models, and policies of yours", "flightstack.evaluation.cli"),
     "completion": SubCommand(
         "completion of this command, for a shell", "flightstack.cli.completion"
     ),

@@ -6,12 +6,11 @@ from collections.abc import Sequence
 
 from flightstack import __version__
 from flightstack.arguments.options import leaf
-from flightstack.arguments.parser import USAGE, OptionParser
+from flightstack.arguments.parser import OptionParser
 from flightstack.cli.commands import COMMANDS, PROGRAM, parser_of, program_of
 
 CONFIG, PRINT_CONFIG, HELP = "--config", "--print-config", ("-h", "--help")
 END_OF_OPTIONS = "--"
-OURS = ("flightstack", "sitl")
 EPILOG = f"""Each COMMAND has a --help of its own, and two options that all have in common:
 {CONFIG} FILE reads options from a TOML file, {PRINT_CONFIG} writes such a file.
 """
@@ -23,14 +22,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     name = _parse_name(words[:1])
     try:
         return _run(name, words[1:])
-    except ModuleNotFoundError as error:
-        code, reason = USAGE, _explain_missing(name, error)
     except Exception as error:
-        if not hasattr(error, "exit_code"):  # the vehicle's errors are no kin of ours
+        code = getattr(error, "exit_code", None)  # the vehicle's errors are no kin of ours
+        if code is None:
             raise
-        code, reason = error.exit_code, str(error)
-    print(f"{program_of(name)}: {reason}", file=sys.stderr)
-    return code
+        print(f"{program_of(name)}: {error}", file=sys.stderr)
+        return int(code)
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -71,14 +68,6 @@ def _run(name: str, words: Sequence[str]) -> int:
         return 0
     code: int = COMMANDS[name].load().main(own, program_of(name))
     return code
-
-
-def _explain_missing(name: str, error: ModuleNotFoundError) -> str:
-    """Say which extra a command needs; raises the error again where that is not what it is."""
-    extra, library = COMMANDS[name].extra, (error.name or "").partition(".")[0]
-    if extra is None or library in OURS:
-        raise error
-    return f"this needs {library}: pip install 'flightstack[{extra}]'"
 
 
 def _take_config(words: Sequence[str]) -> tuple[list[str], str | None, bool]:

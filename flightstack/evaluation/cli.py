@@ -10,9 +10,11 @@ from types import ModuleType
 from flightstack.arguments.options import sub_parsers
 from flightstack.arguments.parser import OptionParser
 from flightstack.errors import FlightstackError
+from flightstack.libraries import require
 
 PROGRAM = "python -m flightstack.evaluation"
 COMMANDS = ("ablation", "benchmark", "figures", "ladder", "offline", "table")
+LIBRARIES = ("pybullet", "joblib", "scipy", "matplotlib")
 EXIT_INTERRUPTED = 130
 
 
@@ -21,6 +23,7 @@ def main(arguments: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     options = _parse(arguments, program)
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     try:
+        require("evaluation", *LIBRARIES)
         _module(options.command).run(options)
     except FlightstackError as error:
         print(f"{program}: {error}", file=sys.stderr)

@@ -16,6 +16,7 @@ from typing import IO, Any
 
 from flightstack.launch.ports import Ports
 from flightstack.launch.request import FlightRequest
+from flightstack.libraries import require
 
 COMPANION_NOTICES_S = 8.0  # a companion whose vehicle died ends by itself within 5 s
 VEHICLE_ENDS_S = 5.0  # after SIGTERM: flush the log and leave
@@ -85,7 +86,11 @@ def module(
 def programs(
     request: FlightRequest, ports: Ports, *, vehicle: Outputs = OURS, companion: Outputs = OURS
 ) -> tuple[Program, Program]:
-    """Return the two that fly a course, and where what each prints goes."""
+    """Return the two that fly a course, and where what each prints goes.
+
+    Raises MissingLibraryError where the simulator has not been installed.
+    """
+    require("sim", "pybullet")
     return (
         module("sitl", request.vehicle_arguments(ports), *vehicle),
         module("flightstack.companion", request.companion_arguments(ports), *companion),

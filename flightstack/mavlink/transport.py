@@ -11,7 +11,8 @@ import select
 import socket
 from typing import Protocol
 
-from flightstack.errors import LinkError, UsageError
+from flightstack.errors import LinkError
+from flightstack.libraries import load_library
 from flightstack.mavlink.endpoint import Endpoint, Kind
 from flightstack.mavlink.packets import PacketSplitter, split_packets
 
@@ -211,10 +212,7 @@ def _connect_tcp(endpoint: Endpoint) -> StreamTransport:
 
 
 def _open_serial(endpoint: Endpoint) -> StreamTransport:
-    try:
-        import serial  # noqa: PLC0415  (an extra: only serial lines need it)
-    except ImportError as error:
-        raise UsageError("serial lines need pyserial: pip install 'flightstack[serial]'") from error
+    serial = load_library("serial", "serial")
     try:
         return StreamTransport(serial.Serial(endpoint.host, endpoint.port, exclusive=True))
     except (OSError, ValueError) as error:  # SerialException is an OSError

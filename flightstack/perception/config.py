@@ -6,6 +6,7 @@ from typing import Literal
 from flightstack.perception.labels import LabelScale
 
 Sampling = Literal["mc-dropout", "gaussian", "mean"]
+FEATURES = 512  # what the encoder's trunk hands to its head, through the dropout slot: 2 x 2 x 128
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

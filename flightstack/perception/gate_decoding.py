@@ -10,7 +10,7 @@ from flightstack.records import GateDetections
 
 Cells = Float32[NDArray[np.float32], "10 16 16"]
 SCORE, U, V, RANGE, COS, SIN, LOGVARS = 0, 1, 2, 3, 4, 5, slice(6, 10)
-CELLS = 16
+CELLS, OUTPUTS = 16, 10  # along each side; what each tells
 TANGENT = 2.0 / CELLS  # of a cell: the camera sees +-45 deg
 MIN_RANGE_M, MAX_RANGE_M = 0.2, 30.0
 SAME_CELLS, SAME_LOG_RANGE = 1.6, 0.4  # nearer than both: one gate, told by several cells

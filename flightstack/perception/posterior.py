@@ -1,26 +1,19 @@
 """Samples of the latent posterior q(z | x, D): what perception says, and how sure it is.
 
-Only the head differs between passes with different dropout masks, so the trunk runs once an image:
-the same samples in distribution as M full passes, at a fraction of the time.
+All chance is drawn here, by one generator of numpy's, from the seed: masks first, then noise.
 
 References:
     Arnez et al. 2022, "Quantifying and Using System Uncertainty in UAV Navigation", eq. 1.
-    Gal and Ghahramani 2016 (see dronet.py).
+    Gal and Ghahramani 2016, "Dropout as a Bayesian approximation".
 """
 
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-import torch
-from jaxtyping import Float32
-from torch import Generator, Tensor
 
 from flightstack.arrays import Latents, SmallRgb
-from flightstack.perception.cmvae import sample_normal
-from flightstack.perception.config import PerceptionConfig
-from flightstack.perception.dronet import FEATURES, Dronet
-from flightstack.perception.flight_trunk import FlightTrunk
-from flightstack.perception.preprocessing import network_input
+from flightstack.perception.config import FEATURES, PerceptionConfig
+from flightstack.perception.encoder import Encoder, Noise
 
 
 @runtime_checkable
@@ -40,65 +33,57 @@ class McDropoutPosterior:
     """
 
     def __init__(
-        self, encoder: Dronet, generator: Generator, *, samples: int, within: bool = True
+        self, encoder: Encoder, rng: np.random.Generator, *, samples: int, within: bool = True
     ) -> None:
-        self._encoder, self._generator = encoder.eval(), generator
-        self._trunk = FlightTrunk(encoder.trunk)
+        self._encoder, self._rng = encoder, rng
         self._samples, self._within = samples, within
+        self._kept_weight = np.float32(1.0 / (1.0 - encoder.dropout))
 
     def sample(self, rgb: SmallRgb) -> Latents:
         """Draw M masks, then M latent samples."""
-        with torch.inference_mode():
-            features = self._trunk(network_input(rgb[np.newaxis]))  # (1, 512)
-            rate, shape = self._encoder.dropout, (self._samples, FEATURES)
-            kept = torch.rand(shape, generator=self._generator) >= rate  # as dropout_mask does
-            mean, logvar = self._encoder.head(features * (1.0 / (1.0 - rate)) * kept)
-            z = sample_normal(mean, logvar, self._generator) if self._within else mean
-            return _array(z)
+        drawn = self._rng.random((self._samples, FEATURES), dtype=np.float32)
+        masks = (drawn >= self._encoder.dropout) * self._kept_weight
+        noise = _noise(self._rng, self._samples, self._encoder)
+        return self._encoder.sample(rgb, masks, noise if self._within else np.zeros_like(noise))
 
 
 class GaussianPosterior:
     """M draws from N(mu, sigma^2) of one deterministic pass."""
 
-    def __init__(self, encoder: Dronet, generator: Generator, *, samples: int) -> None:
-        self._encoder, self._generator = encoder.eval(), generator
+    def __init__(self, encoder: Encoder, rng: np.random.Generator, *, samples: int) -> None:
+        self._encoder, self._rng = encoder, rng
         self._samples = samples
 
     def sample(self, rgb: SmallRgb) -> Latents:
         """Draw M latent samples."""
-        with torch.inference_mode():
-            mean, logvar = self._encoder(network_input(rgb[np.newaxis]))
-            shape = (self._samples, -1)
-            return _array(sample_normal(mean.expand(shape), logvar.expand(shape), self._generator))
+        mean, logvar = self._encoder.moments(rgb)
+        z: Latents = mean + _noise(self._rng, self._samples, self._encoder) * np.exp(0.5 * logvar)
+        return z
 
 
 class MeanPosterior:
     """The latent mean alone: one sample, no chance."""
 
-    def __init__(self, encoder: Dronet) -> None:
-        self._encoder = encoder.eval()
+    def __init__(self, encoder: Encoder) -> None:
+        self._encoder = encoder
 
     def sample(self, rgb: SmallRgb) -> Latents:
         """Give the mean as one sample."""
-        with torch.inference_mode():
-            mean, _ = self._encoder(network_input(rgb[np.newaxis]))
-            return _array(mean)
+        mean, _ = self._encoder.moments(rgb)
+        return mean
 
 
-def make_posterior(config: PerceptionConfig, encoder: Dronet, *, seed: int) -> LatentPosterior:
+def make_posterior(config: PerceptionConfig, encoder: Encoder, *, seed: int) -> LatentPosterior:
     """Sample an encoder as its configuration says, all chance from the seed."""
-    generator = torch.Generator().manual_seed(seed)
+    rng = np.random.default_rng(seed)
     match config.sampling:
         case "mc-dropout":
-            return McDropoutPosterior(
-                encoder, generator, samples=config.samples, within=config.within
-            )
+            return McDropoutPosterior(encoder, rng, samples=config.samples, within=config.within)
         case "gaussian":
-            return GaussianPosterior(encoder, generator, samples=config.samples)
+            return GaussianPosterior(encoder, rng, samples=config.samples)
         case "mean":
             return MeanPosterior(encoder)
 
 
-def _array(z: Float32[Tensor, "M Z"]) -> Latents:
-    array: Latents = z.numpy()
-    return array
+def _noise(rng: np.random.Generator, samples: int, encoder: Encoder) -> Noise:
+    return rng.standard_normal((samples, encoder.latent_dims), dtype=np.float32)

@@ -2,10 +2,8 @@
 
 from typing import Protocol, runtime_checkable
 
-import torch
-
 from flightstack.arrays import Latents
-from flightstack.policy.network import PolicyStack
+from flightstack.policy.networks import PolicyNetworks
 from flightstack.policy.scales import VelocityRange
 from flightstack.records import ActionSamples
 
@@ -24,19 +22,15 @@ class PolicyEnsemble:
 
     def __init__(
         self,
-        stack: PolicyStack,
+        networks: PolicyNetworks,
         velocity_range: VelocityRange,
         variance_factor: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0),
     ) -> None:
-        self._stack = stack.eval()
+        self._networks = networks
         self._offset, self._scale = velocity_range.offset, velocity_range.scale
         self._var_scale = self._scale**2 * variance_factor
 
     def predict(self, z: Latents) -> ActionSamples:
         """Map latents to means and variances in m/s and rad/s."""
-        with torch.inference_mode():
-            mean, logvar = self._stack(torch.from_numpy(z))
-            var = torch.exp(logvar).numpy()
-        return ActionSamples(
-            mean=mean.numpy() * self._scale + self._offset, var=var * self._var_scale
-        )
+        mean, var = self._networks.moments(z)
+        return ActionSamples(mean=mean * self._scale + self._offset, var=var * self._var_scale)

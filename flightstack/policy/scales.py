@@ -12,7 +12,7 @@ from flightstack.records import VELOCITIES
 class VelocityRange:
     """What -1 and 1 of the network's outputs mean; also the limits of every command.
 
-    The defaults are those of Bonatti et al. 2020 (see perception/dronet.py).
+    The defaults are those of Bonatti et al. 2020 (see networks/dronet.py).
     """
 
     low: tuple[float, ...] = (-1.0, -3.0, -3.0, -1.0)  # m/s, m/s, m/s, rad/s

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from torch import Generator, Tensor
 
 from flightstack.arrays import Labels, RgbStack
-from flightstack.perception.preprocessing import tensor_input
+from flightstack.networks.images import tensor_input
 
 
 @runtime_checkable

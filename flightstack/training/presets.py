@@ -5,7 +5,7 @@ Settings travel with what was trained from them: a checkpoint refuses to go on u
 
 from dataclasses import dataclass, field
 
-from flightstack.perception.cmvae import LossWeights
+from flightstack.networks.cmvae import LossWeights
 from flightstack.policy.scales import VelocityRange
 
 

@@ -13,7 +13,7 @@ from torch import Tensor, nn
 from flightstack.errors import UsageError
 from flightstack.files import write_whole
 from flightstack.models import file_sha256
-from flightstack.perception.dronet import Dronet
+from flightstack.networks.dronet import Dronet
 from flightstack.perception.labels import LabelScale
 
 Report = Callable[[str], None]

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from sitl.errors import INTERRUPTED, SitlError
+from sitl.process.installed import require
 
 PROGRAM = "sitl"
 LEVELS = {-1: logging.ERROR, 0: logging.INFO, 1: logging.DEBUG}
@@ -20,6 +21,7 @@ def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
         options = parse(sys.argv[1:] if argv is None else argv, os.environ, program)
         level = LEVELS[max(-1, min(1, options.verbosity))]
         logging.basicConfig(level=level, format="sitl: %(message)s", stream=sys.stderr)
+        require("pybullet", "sim", "the simulator")
         from sitl.process.launch import launch  # noqa: PLC0415  --help and bad options need no MAVLink
 
         return launch(options)

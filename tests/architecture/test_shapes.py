@@ -11,7 +11,7 @@ from jaxtyping import TypeCheckError
 
 from flightstack.decision.density import find_modes
 from flightstack.decision.strategies import make_strategy
-from flightstack.perception.cmvae import kl_to_standard_normal
+from flightstack.networks.cmvae import kl_to_standard_normal
 from flightstack.policy.scales import VelocityRange
 from flightstack.records import ActionSamples
 from tests.paths import ROOT

@@ -73,6 +73,8 @@ class WorkerPilot:
 
         Whatever holds `motion` in `load` finds there, in its own process, what telemetry tells.
         """
+        if sys.platform != "linux":
+            raise UsageError("parts of your own fly on Linux alone, which can watch their process")
         motion = MotionHistory() if motion is None else motion
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         marker = PartMarker()
@@ -234,7 +236,8 @@ class _Process:
     """A process that a selector can wait on: it can be read when it has ended."""
 
     def __init__(self, process_id: int) -> None:
-        self._descriptor = os.pidfd_open(process_id)
+        if sys.platform == "linux":  # elsewhere nothing is forked
+            self._descriptor = os.pidfd_open(process_id)
 
     def fileno(self) -> int:
         return self._descriptor

@@ -2,20 +2,19 @@
 
 import os
 import sys
-from importlib.util import find_spec
 from typing import Any
 
 from joblib import register_parallel_backend
 
 from flightstack.errors import UsageError
+from flightstack.libraries import require
 
 NAME = "flightstack-ray"
 
 
 def check_installed() -> None:
-    """Raise UsageError where Ray is missing."""
-    if find_spec("ray") is None:
-        raise UsageError("--backend ray needs Ray: pip install 'flightstack[ray]'")
+    """Raise MissingLibraryError where Ray is missing."""
+    require("ray", "ray")
 
 
 def register() -> None:

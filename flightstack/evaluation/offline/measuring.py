@@ -10,8 +10,8 @@ from flightstack.evaluation.offline.material import Material
 from flightstack.evaluation.offline.predicting import PARTS, Predictions
 from flightstack.evaluation.offline.scenes import DOUBLE_GATE, PLAIN
 from flightstack.evaluation.offline.scores import LEVELS, coverage_curve, detection, mixture_scores
+from flightstack.libraries import load_library
 from flightstack.models import Model
-from flightstack.perception.gate_pose import read_poses
 from flightstack.perception.labels import LABELS, RANGE
 from flightstack.records import VELOCITIES
 
@@ -39,6 +39,7 @@ def recipe_of(name: str) -> str:
 
 def judge(name: str, material: Material, *, seed: int) -> Judgement:
     """Judge a model by name."""
+    load_library("torch", "training")
     model = models.load(name)
     flown = Predictions.of(model, material.flights, seed=seed)
     scenes = {
@@ -49,7 +50,7 @@ def judge(name: str, material: Material, *, seed: int) -> Judgement:
         images=len(material.flights),
         scene_images=len(material.scenes[PLAIN]),
         velocities=_velocities(flown, material),
-        poses=_poses(model, material),
+        poses=_poses(name, material),
         auroc=_auroc(model, scenes),
         multimodal={
             "in flight": _multimodal(flown),
@@ -72,9 +73,12 @@ def _velocities(flown: Predictions, material: Material) -> dict[str, dict[str, A
     return found
 
 
-def _poses(model: Model, material: Material) -> dict[str, dict[str, float]]:
-    scale = model.config.perception.label_scale
-    read = read_poses(model.encoder, model.pose_decoder, scale, material.views)
+def _poses(name: str, material: Material) -> dict[str, dict[str, float]]:
+    # Here, not above: what else is judged needs no torch.
+    from flightstack.networks.gate_pose import read_poses  # noqa: PLC0415
+    from flightstack.networks.trained import load_trained  # noqa: PLC0415
+
+    read = read_poses(load_trained(name), material.views)
     errors = np.abs(read - material.poses)
     ranges = material.poses[:, RANGE]
     in_band = (ranges > BAND_M[0]) & (ranges < BAND_M[1])

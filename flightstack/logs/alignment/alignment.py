@@ -10,8 +10,8 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import correlate
 
+from flightstack.libraries import load_library
 from flightstack.logs.alignment.boot_clock_fit import BootClockFit, fit_boot_clock, lateness_us
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight.flight import Flight
@@ -143,6 +143,7 @@ def correlation_by_shift(one: Floats, other: Floats) -> tuple[Floats, NDArray[np
 
     Each is normalised by what overlaps; an overlap below MIN_OVERLAP_S counts as 0.
     """
+    correlate = load_library("scipy.signal", "logs").correlate
     shared = sum(correlate(a, b, method="fft") for a, b in zip(one.T, other.T, strict=True))
     ones, others = np.ones(len(one)), np.ones(len(other))
     energy = correlate(np.square(one).sum(axis=1), others, method="fft")

@@ -11,8 +11,10 @@ from pathlib import Path
 
 from flightstack.arguments.parser import OptionParser
 from flightstack.errors import FlightstackError
+from flightstack.libraries import require
 
 PROGRAM = "python -m flightstack.training"
+LIBRARIES = ("torch", "pybullet", "joblib", "onnx", "onnxscript", "safetensors", "scipy")
 EXIT_INTERRUPTED = 130
 
 
@@ -22,6 +24,7 @@ def main(arguments: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
     try:
+        require("training", *LIBRARIES)
         # Here, not above: --help and a mistyped option must not wait for torch.
         from flightstack.training.commands.steps import run  # noqa: PLC0415
 
@@ -45,6 +48,7 @@ def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
     _add_policy(commands.add_parser("policy", help="train policies on one CM-VAE"))
     _add_calibrate(commands.add_parser("calibrate", help="measure a model's variances anew"))
     _add_detector(commands.add_parser("detector", help="train a detector of sets of gates"))
+    _add_export(commands.add_parser("export", help="a model's flight form, from its weights"))
     return parser
 
 
@@ -121,6 +125,10 @@ def _add_calibrate(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--data", type=Path, help="instead: the validation images of control data")
     _add_seed(parser)
+
+
+def _add_export(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("model", nargs="+", help="for example strong/m0")
 
 
 def _add_recipe(parser: argparse.ArgumentParser) -> None:

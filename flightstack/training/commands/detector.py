@@ -6,8 +6,10 @@ from pathlib import Path
 from safetensors.torch import save_file
 
 from flightstack.files import write_whole
+from flightstack.gate_models import GateModelConfig
 from flightstack.models import CONFIG_FILE, WEIGHTS_FILE, file_sha256
-from flightstack.perception.gate_network import GateNetwork
+from flightstack.networks.gate_network import GateNetwork
+from flightstack.tables import table_text
 from flightstack.training.detector.calibration import calibrate, match, metrics_of
 from flightstack.training.detector.store import (
     FILE_SCENES,
@@ -16,22 +18,11 @@ from flightstack.training.detector.store import (
     make_scenes,
 )
 from flightstack.training.detector.trainer import DetectorSettings, Epoch, train_detector
+from flightstack.training.models.flight_form import export
 from flightstack.training.seeds import TRAINING_SCENES
 from flightstack.training.seeds import VALIDATION_SCENES as VALIDATION_SEEDS
 
 STRATEGY, SPEED_M_S = "de-mean", 2.6
-CONFIG = """name = "{name}"
-recipe = "{recipe}"
-strategy = "{strategy}"
-weights_sha256 = "{sha256}"
-speed_m_s = {speed_m_s}
-
-[detector]
-min_score = {calibration.min_score}
-centre_factor = {calibration.centre_factor}
-range_factor = {calibration.range_factor}
-angle_factor = {calibration.angle_factor}
-"""
 
 
 def train(out: Path, data: Path, *, files: int, settings: DetectorSettings) -> None:
@@ -59,16 +50,16 @@ def write_model(
     metrics = metrics_of(match(network, validation, calibration))
     metrics["trained"] = trained
     write_whole(out / "metrics.json", json.dumps(metrics, indent=1) + "\n")
-    text = CONFIG.format(
+    config = GateModelConfig(
         name=out.name,
         recipe=out.parent.name,
         strategy=STRATEGY,
-        sha256=file_sha256(weights),
+        weights_sha256=file_sha256(weights),
         speed_m_s=SPEED_M_S,
-        calibration=calibration,
+        detector=calibration,
     )
-    write_whole(out / CONFIG_FILE, text)
-    print(f"wrote {out}")
+    write_whole(out / CONFIG_FILE, table_text(config))
+    export(str(out))
 
 
 def _say(epoch: Epoch) -> None:

@@ -14,6 +14,7 @@ from flightstack.training.data.generation import generate_control, generate_perc
 from flightstack.training.data.pictures import write_pictures
 from flightstack.training.data.piloting import Piloting
 from flightstack.training.detector.trainer import DetectorSettings
+from flightstack.training.models.flight_form import export
 from flightstack.training.models.recalibrate import Labelled, recalibrate
 from flightstack.training.perception.trainer import train_perception
 from flightstack.training.policy.trainer import train_policy
@@ -36,8 +37,14 @@ def run(options: argparse.Namespace) -> None:
         "policy": _policy,
         "calibrate": _calibrate,
         "detector": _detector,
+        "export": _export,
     }
     commands[options.command](options)
+
+
+def _export(options: argparse.Namespace) -> None:
+    for name in options.model:
+        export(name)
 
 
 def _detector(options: argparse.Namespace) -> None:

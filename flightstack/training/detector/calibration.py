@@ -10,9 +10,9 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from flightstack.networks.gate_network import GateNetwork
+from flightstack.networks.images import network_input
 from flightstack.perception.gate_decoding import DetectionCalibration, decode
-from flightstack.perception.gate_network import GateNetwork
-from flightstack.perception.preprocessing import network_input
 from flightstack.records import GateDetections
 from flightstack.training.detector.store import Scenes
 

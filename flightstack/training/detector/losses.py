@@ -12,15 +12,15 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
-from flightstack.perception.gate_network import (
+from flightstack.networks.gate_network import (
     ANGLE,
-    CELLS,
     CENTRE,
     LOGVARS,
     RANGE,
     SCORE,
     CellTensor,
 )
+from flightstack.perception.gate_decoding import CELLS
 
 CELL_PX = 4
 BETA = 0.5

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from flightstack.arrays import RgbStack
-from flightstack.perception.gate_network import GateNetwork
-from flightstack.perception.preprocessing import network_input
+from flightstack.networks.gate_network import GateNetwork
+from flightstack.networks.images import network_input
 from flightstack.training.detector.losses import SCORE_WEIGHT, loss_of, targets_of
 from flightstack.training.detector.scenes import IMAGE_PX
 from flightstack.training.detector.store import Scenes

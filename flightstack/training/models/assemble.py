@@ -16,6 +16,7 @@ from flightstack.policy.scales import VelocityRange
 from flightstack.tables import table_text
 from flightstack.training.models.card import model_card
 from flightstack.training.models.catalogue import ModelPlan
+from flightstack.training.models.flight_form import export
 from flightstack.training.runs import FinishedRun
 
 CARD_FILE, METRICS_FILE = "README.md", "metrics.json"
@@ -30,7 +31,7 @@ def write_model(
     recipe: str,
     preset: str,
 ) -> None:
-    """Write models/<recipe>/<name>; the image decoder stays behind, since it never flies."""
+    """Write models/<recipe>/<name> and its flight form; the image decoder stays behind."""
     folder.mkdir(parents=True, exist_ok=True)
     flies = ("encoder.", "pose_decoder.")
     weights = {key: value for key, value in perception.weights.items() if key.startswith(flies)}
@@ -52,6 +53,7 @@ def write_model(
         policy=policy_config(policy.summary),
     )
     describe_model(folder, config, plan, _metrics(perception, policy, preset))
+    export(str(folder), report=lambda _: None)
 
 
 def describe_model(

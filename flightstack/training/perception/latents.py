@@ -4,9 +4,10 @@ import torch
 from jaxtyping import Float32
 from torch import Generator, Tensor
 
-from flightstack.perception.cmvae import sample_normal
-from flightstack.perception.dronet import FEATURES, Dronet, dropout_mask
-from flightstack.perception.preprocessing import tensor_input
+from flightstack.networks.cmvae import sample_normal
+from flightstack.networks.dronet import Dronet, dropout_mask
+from flightstack.networks.images import tensor_input
+from flightstack.perception.config import FEATURES
 from flightstack.training.batches import Images
 
 TRUNK_BATCH = 256

@@ -9,7 +9,7 @@ from jaxtyping import Float32, Int64
 from numpy.typing import NDArray
 
 from flightstack.arrays import Labels
-from flightstack.perception.cmvae import CmVae, kl_to_standard_normal
+from flightstack.networks.cmvae import CmVae, kl_to_standard_normal
 from flightstack.perception.labels import LABELS, RANGE, LabelScale
 from flightstack.training.batches import ImageSource
 from flightstack.training.errors import TrainingError

@@ -8,9 +8,9 @@ import torch
 from jaxtyping import UInt8
 from numpy.typing import NDArray
 
-from flightstack.perception.cmvae import CmVae
-from flightstack.perception.preprocessing import image_bytes
-from flightstack.perception.tensors import ImageTensor
+from flightstack.networks.cmvae import CmVae
+from flightstack.networks.images import image_bytes
+from flightstack.networks.tensors import ImageTensor
 
 ZOOM = 2
 TRAVERSAL = np.linspace(-2.5, 2.5, 11)  # standard deviations of the prior

@@ -10,7 +10,7 @@ import numpy as np
 import torch
 
 from flightstack.errors import UsageError
-from flightstack.perception.cmvae import CmVae, LossTerms
+from flightstack.networks.cmvae import CmVae, LossTerms
 from flightstack.perception.labels import LABELS, MIRRORED, LabelScale
 from flightstack.training.batches import ImageSource, mirror, shuffled
 from flightstack.training.checkpoint import Checkpoint, identity_of

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from torch import Generator
 
 from flightstack.arrays import PerComponent
-from flightstack.policy.network import GOLDEN, PolicyStack
+from flightstack.networks.policy_stack import GOLDEN, PolicyStack
 from flightstack.policy.scales import VelocityRange
 from flightstack.training.perception.latents import LatentSource
 

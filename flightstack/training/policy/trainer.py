@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from flightstack.errors import UsageError
-from flightstack.perception.dronet import Dronet
+from flightstack.networks.dronet import Dronet
+from flightstack.networks.policy_stack import PolicyStack, gaussian_nll, mixture_nll
 from flightstack.policy.config import PolicyConfig
-from flightstack.policy.network import PolicyStack, gaussian_nll, mixture_nll
 from flightstack.records import VELOCITIES
 from flightstack.training.checkpoint import Checkpoint, identity_of
 from flightstack.training.data.dataset import Dataset

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from sitl.errors import LinkError, UsageError
+from sitl.errors import LinkError
+from sitl.process.installed import require
 from sitl.process.options.values import Address
 from sitl.records.images import Image
 
@@ -36,10 +37,9 @@ class VideoSender:
             LinkError: there is no such host, or no way there.
 
         """
-        try:
-            import av  # noqa: PLC0415  an extra
-        except ImportError:
-            raise UsageError("--video needs PyAV: install flightstack[video]") from None
+        require("av", "video", "--video")
+        import av  # noqa: PLC0415  an extra
+
         self._av = av
         try:
             local, remote = _way_to(address)

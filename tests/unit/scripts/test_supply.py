@@ -23,11 +23,10 @@ def pins(name: str) -> dict[str, str]:
     return {plain(n): version for n, version in PIN.findall((ROOT / name).read_text())}
 
 
-def test_all_that_the_base_needs_but_torch_is_known_by_its_content() -> None:
+def test_all_that_flies_in_simulation_is_known_by_its_content() -> None:
     needed: set[str] = set()
-    for requirement in PROJECT["dependencies"]:
-        if name_of(requirement) != "torch":
-            closure(name_of(requirement), needed)
+    for requirement in (*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["sim"]):
+        closure(name_of(requirement), needed)
     assert {plain(name) for name in needed} <= set(pins("hashes.txt")), AGAIN
 
 

@@ -7,8 +7,7 @@ import sys
 import pytest
 
 from flightstack import __version__
-from flightstack.cli import commands
-from flightstack.cli.commands import COMMANDS, SubCommand
+from flightstack.cli.commands import COMMANDS
 from flightstack.cli.completion import SHELLS
 from flightstack.cli.main import main
 from tests.paths import ROOT
@@ -69,15 +68,6 @@ def test_an_unknown_command_is_refused(capsys: pytest.CaptureFixture[str]) -> No
 def test_an_error_keeps_its_exit_code(capsys: pytest.CaptureFixture[str]) -> None:
     assert ended("logs", "summary", "no/such.tlog") == 2
     assert capsys.readouterr().err.startswith("flightstack logs: ")
-
-
-def test_what_an_extra_would_install_is_said(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setitem(commands.COMMANDS, "fly", SubCommand("", "no_such_library.cli", "sim"))
-    assert ended("fly") == 2
-    wanted = "flightstack fly: this needs no_such_library: pip install 'flightstack[sim]'\n"
-    assert capsys.readouterr().err == wanted
 
 
 @pytest.mark.parametrize("shell", SHELLS)

@@ -1,14 +1,23 @@
 """Cells become gates: where they are, how sure, and each once."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
-from flightstack.perception.gate_decoding import Cells, DetectionCalibration, decode
+from flightstack.networks.export import export_detector
+from flightstack.networks.gate_network import GateNetwork
+from flightstack.perception.gate_decoding import (
+    CELLS,
+    OUTPUTS,
+    Cells,
+    DetectionCalibration,
+    decode,
+)
 from flightstack.perception.gate_detector import GateDetector
-from flightstack.perception.gate_network import CELLS, OUTPUTS, GateNetwork
+from tests.unit.flightstack.exported import pixels
 
 CALIBRATION = DetectionCalibration()
 SURE, VARIANCE = 4.0, 0.01
@@ -91,10 +100,13 @@ def test_calibration_widens_what_is_told() -> None:
     assert wide.covariance_frd == pytest.approx(4.0 * narrow.covariance_frd)
 
 
-def test_a_detector_gives_what_its_cells_tell_whatever_the_weights() -> None:
+def test_a_detector_gives_what_its_cells_tell_whatever_the_weights(tmp_path: Path) -> None:
     torch.manual_seed(0)
-    detector = GateDetector(GateNetwork(), DetectionCalibration(min_score=0.01))
-    image = np.random.default_rng(0).integers(0, 256, (64, 64, 3), np.uint8)
+    form = export_detector(tmp_path, GateNetwork(), pixels())
+    detector = GateDetector(
+        tmp_path, DetectionCalibration(min_score=0.01), sha256=form.detector_sha256
+    )
+    image = pixels(seed=3)[0]
     one, other = detector.detect(image), detector.detect(image)
     assert len(one.score) > 0
     assert np.array_equal(one.position_frd, other.position_frd)

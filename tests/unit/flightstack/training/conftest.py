@@ -7,7 +7,7 @@ import pytest
 import torch
 from numpy.typing import NDArray
 
-from flightstack.perception.dronet import Dronet
+from flightstack.networks.dronet import Dronet
 from flightstack.perception.labels import LABELS
 from flightstack.records import VELOCITIES
 from flightstack.training.data.dataset import Dataset, ShardedImages

@@ -1,10 +1,12 @@
 """A report is made of what the folder says, and of nothing that it does not hold."""
 
+import json
 import shutil
 from pathlib import Path
 
 import pytest
 
+from flightstack import models
 from flightstack.evaluation.cli import main
 from tests.paths import DOCS
 
@@ -18,6 +20,11 @@ def out(tmp_path: Path) -> Path:
 
 def contents(folder: Path) -> dict[Path, bytes]:
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def today(name: str) -> str:
+    """The hash of a model's configuration as it stands now."""
+    return models.file_sha256(models.find(name) / models.CONFIG_FILE)
 
 
 def report(command: str, out: Path) -> int:
@@ -93,6 +100,9 @@ def test_rows_of_other_trials_are_told(
     command: str, out: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shutil.copytree(RESULTS / "ladder-strong-m0", out)
+    request = json.loads((out / "experiment.json").read_text())
+    request["models"] = {name: today(name) for name in request["models"]}
+    (out / "experiment.json").write_text(json.dumps(request))
     rows = out / "trials.csv"
     rows.write_text(rows.read_text().replace("wind", "zefiro"))
     before = contents(out)

@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from flightstack.errors import UsageError
-from flightstack.perception.dronet import Dronet
+from flightstack.networks.dronet import Dronet
 from flightstack.training.data.dataset import Dataset
 from flightstack.training.errors import TrainingError
 from flightstack.training.models.assemble import policy_config

@@ -106,5 +106,5 @@ def test_a_host_that_is_not_there_is_said_at_once() -> None:
 
 def test_without_pyav_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "av", None)
-    with pytest.raises(UsageError, match=r"flightstack\[video\]"):
+    with pytest.raises(UsageError, match=r"--video needs av: .*\[video\]"):
         VideoSender(("127.0.0.1", 5600), size_px=SIZE_PX, rate_hz=RATE_HZ)

@@ -10,7 +10,7 @@ References:
 import torch
 from torch import Generator, Tensor, nn
 
-from flightstack.perception.tensors import (
+from flightstack.networks.tensors import (
     Alike,
     FeatureTensor,
     HalvedMaps,
@@ -18,8 +18,8 @@ from flightstack.perception.tensors import (
     LatentTensor,
     MapTensor,
 )
+from flightstack.perception.config import FEATURES
 
-FEATURES = 512  # what the trunk hands to the head: 2 x 2 x 128
 LOGVAR_RANGE = (-12.0, 6.0)  # keeps exp() finite however wrong the weights are
 
 

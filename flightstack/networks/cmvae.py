@@ -17,10 +17,10 @@ import torch
 from jaxtyping import Float
 from torch import Generator, Tensor, nn
 
-from flightstack.perception.decoders import GatePoseDecoder, ImageDecoder
-from flightstack.perception.dronet import Dronet
+from flightstack.networks.decoders import GatePoseDecoder, ImageDecoder
+from flightstack.networks.dronet import Dronet
+from flightstack.networks.tensors import Alike, ImageTensor
 from flightstack.perception.labels import LABELS
-from flightstack.perception.tensors import Alike, ImageTensor
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -3,15 +3,15 @@ import pytest
 import torch
 from torch.distributions import Normal, kl_divergence
 
-from flightstack.perception.cmvae import (
+from flightstack.networks.cmvae import (
     CmVae,
     LossTerms,
     LossWeights,
     kl_to_standard_normal,
     sample_normal,
 )
-from flightstack.perception.decoders import PointToMap
-from flightstack.perception.dronet import Dronet
+from flightstack.networks.decoders import PointToMap
+from flightstack.networks.dronet import Dronet
 
 
 def seeded(seed: int) -> torch.Generator:

@@ -1,17 +1,11 @@
 import math
-from typing import Any
 
-import numpy as np
 import pytest
 import torch
 from torch.distributions import Normal
 
+from flightstack.networks.policy_stack import PolicyStack, gaussian_nll, mixture_nll
 from flightstack.policy.config import PolicyConfig
-from flightstack.policy.ensemble import PolicyEnsemble
-from flightstack.policy.network import PolicyStack, gaussian_nll, mixture_nll
-from flightstack.policy.scales import VelocityRange
-
-RNG = np.random.default_rng(0)
 
 
 def make_stack(members: int = 5, *, probabilistic: bool = True) -> PolicyStack:
@@ -62,38 +56,6 @@ def test_nll_is_torchs_own_up_to_its_constant() -> None:
     )
 
 
-def test_ensemble_speaks_in_metres_and_radians_per_second() -> None:
-    stack, limits = make_stack(), VelocityRange()
-    z = RNG.normal(size=(32, 10)).astype(np.float32)
-    samples = PolicyEnsemble(stack, limits).predict(z)
-    mean, logvar = (part.detach().numpy() for part in stack(torch.from_numpy(z)))
-    assert samples.mean.shape == samples.var.shape == (5, 32, 4)
-    np.testing.assert_allclose(samples.mean[..., 0], 3.0 + 4.0 * mean[..., 0], rtol=1e-5)
-    np.testing.assert_allclose(samples.var[..., 3], np.exp(logvar[..., 3]), rtol=1e-5)
-    np.testing.assert_allclose(samples.var[..., 0], 16.0 * np.exp(logvar[..., 0]), rtol=1e-5)
-
-
-def test_deterministic_policy_claims_the_least_variance() -> None:
-    samples = PolicyEnsemble(make_stack(1, probabilistic=False), VelocityRange()).predict(
-        np.zeros((32, 10), dtype=np.float32)
-    )
-    np.testing.assert_allclose(
-        samples.var, np.broadcast_to(np.exp(-10.0) * np.array([16.0, 9.0, 9.0, 1.0]), (1, 32, 4))
-    )
-
-
-def test_range_maps_its_ends_to_one_and_clips_beyond() -> None:
-    limits = VelocityRange()
-    ends = np.array([limits.low, limits.high], dtype=np.float32)
-    np.testing.assert_allclose(limits.encode(ends), [[-1.0] * 4, [1.0] * 4], atol=1e-6)
-    assert limits.clip(np.array([9.0, -4.0, 0.5, 2.0])).tolist() == [7.0, -3.0, 0.5, 1.0]
-
-
-def test_range_upside_down_is_refused() -> None:
-    with pytest.raises(ValueError, match="must lie below"):
-        VelocityRange(low=(1.0, 0.0, 0.0, 0.0), high=(0.0, 1.0, 1.0, 1.0))
-
-
 def test_mixture_heads_are_followed_by_their_weights() -> None:
     config = PolicyConfig(members=2, probabilistic=True, mixture=3)
     stack = PolicyStack(config, latent_dims=10, generator=torch.Generator().manual_seed(0)).eval()
@@ -113,25 +75,3 @@ def test_one_head_of_a_mixture_is_the_plain_loss() -> None:
     torch.testing.assert_close(
         mixture_nll(stack.heads(z), target), gaussian_nll(mean, logvar, target).sum(dim=-1)
     )
-
-
-def test_recalibration_scales_the_variance_alone() -> None:
-    stack, z = make_stack(), RNG.normal(0.0, 1.0, (4, 10)).astype(np.float32)
-    plain = PolicyEnsemble(stack, VelocityRange()).predict(z)
-    scaled = PolicyEnsemble(stack, VelocityRange(), (2.0, 1.0, 0.5, 1.0)).predict(z)
-    np.testing.assert_allclose(scaled.var, plain.var * [2.0, 1.0, 0.5, 1.0])
-    np.testing.assert_array_equal(scaled.mean, plain.mean)
-
-
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"mixture": 0}, "mixture must be at least 1"),
-        ({"mixture": 2, "probabilistic": False}, "1 where not probabilistic"),
-        ({"variance_factor": (1.0, 0.0, 1.0, 1.0)}, "variance_factor needs 4 positive"),
-        ({"best_member": (0, 1, 2, 5)}, "best_member needs 4 of the members"),
-    ],
-)
-def test_policies_that_cannot_be_are_refused(values: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        PolicyConfig(**{"members": 5, "probabilistic": True, **values})

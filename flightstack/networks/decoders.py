@@ -8,7 +8,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
-from flightstack.perception.tensors import ImageTensor, LatentTensor
+from flightstack.networks.tensors import ImageTensor, LatentTensor
 
 
 class PointToMap(nn.ConvTranspose2d):

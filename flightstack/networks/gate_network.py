@@ -10,9 +10,10 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
-CELLS = 16  # along each side; 4 px
+from flightstack.perception.gate_decoding import OUTPUTS
+
 SCORE, CENTRE, RANGE, ANGLE, LOGVARS = 0, slice(1, 3), 3, slice(4, 6), slice(6, 10)
-OUTPUTS = 10  # log-variances: of u, v, the logarithm of the distance, twice the angle
+# log-variances: of u, v, the logarithm of the distance, twice the angle
 LOGVAR_SPAN = (-9.0, 4.0)
 CHANNELS = (16, 32, 64, 96)
 

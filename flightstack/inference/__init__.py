@@ -1,0 +1,1 @@
+"""Inference: networks in their flight form, run."""

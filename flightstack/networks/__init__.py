@@ -1,0 +1,1 @@
+"""The networks as they are trained, in torch: what flies is their flight form, exported here."""
