@@ -9,6 +9,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from flightstack.arguments.parser import OptionParser
 from flightstack.errors import FlightstackError
 from flightstack.libraries import require
 
@@ -18,9 +19,9 @@ EXIT_INTERRUPTED = 130
 TRAINED = Path("trained")  # never models/, whose weights come with flightstack
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Run one command; returns the exit code."""
-    options = _parser().parse_args(arguments)
+    options = build_parser(program).parse_args(arguments)
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
     try:
@@ -30,16 +31,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         run(options)
     except FlightstackError as error:
-        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        print(f"{program}: {error}", file=sys.stderr)
         return error.exit_code
     except KeyboardInterrupt:
-        print(f"{PROGRAM}: interrupted; the same command goes on from here", file=sys.stderr)
+        print(f"{program}: interrupted; the same command goes on from here", file=sys.stderr)
         return EXIT_INTERRUPTED
     return 0
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog=PROGRAM, description=__doc__)
+def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
+    """Describe the command line."""
+    parser = OptionParser(prog=program, description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     _add_all(commands.add_parser("all", help="data, encoders, policies and model folders"))
     _add_data(commands.add_parser("data", help="make one dataset, or look at one"))

@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from flightstack import models
-from flightstack.training.commands.cli import _parser, main
+from flightstack.training.commands.cli import build_parser, main
 
 
 def test_help_waits_for_no_torch() -> None:
@@ -75,7 +75,7 @@ def test_a_calibrated_copy_lies_where_it_is_wanted(tmp_path: Path) -> None:
 
 
 def test_all_that_is_trained_lies_outside_of_what_was_published() -> None:
-    options = _parser().parse_args(["all"])
+    options = build_parser().parse_args(["all"])
     assert not any(options.out.resolve() == folder.resolve() for folder in models.PUBLISHED)
 
 
