@@ -14,6 +14,7 @@ RgbStack = UInt8[NDArray[np.uint8], "K 64 64 3"]
 
 Latents = Float32[NDArray[np.float32], "M Z"]
 
+PerAxis = Float32[NDArray[np.float32], "3"]  # forward, right, down; or roll, pitch, yaw
 PerVelocity = Float64[NDArray[np.float64], "4"]
 CountPerVelocity = Int64[NDArray[np.int64], "4"]  # or the number of a member
 PerMember = Float64[NDArray[np.float64], "N 4"]

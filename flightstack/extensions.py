@@ -1,17 +1,22 @@
 """Find what a user brings: the name of an installed entry point, or `my_package:MyStrategy`.
 
-Three groups of entry points, each naming a factory that is called with keywords:
+Four groups of entry points, each naming a factory that is called with keywords:
 
     flightstack.perception   factory(model=Model, seed=int)           -> has sample(rgb)
     flightstack.policy       factory(model=Model, seed=int)           -> has predict(z)
     flightstack.strategy     factory(direction="cw"|"ccw", seed=int)  -> has decide(samples)
+    flightstack.pilot        factory(direction="cw"|"ccw", seed=int)  -> has act(observation)
 
-What these methods take and give stands in the protocols LatentPosterior, Policy and Strategy.
+A pilot has reset() as well. What these methods take and give stands in the protocols
+LatentPosterior, Policy, Strategy and EndToEndPolicy. What has no name to import it by comes in a
+file, FILE.pickle: `flightstack.fly` writes such.
 """
 
 import importlib
+import pickle
 from dataclasses import dataclass
 from importlib.metadata import entry_points
+from pathlib import Path
 from typing import Any
 
 from flightstack.errors import UsageError
@@ -24,11 +29,14 @@ class Group:
     entry_points: str
     kind: str  # in messages
     method: str  # that the part must have
+    further: tuple[str, ...] = ()  # methods that it must have, too
 
 
 PERCEPTION = Group(entry_points="flightstack.perception", kind="perception", method="sample")
 POLICY = Group(entry_points="flightstack.policy", kind="policy", method="predict")
 STRATEGY = Group(entry_points="flightstack.strategy", kind="strategy", method="decide")
+PILOT = Group(entry_points="flightstack.pilot", kind="pilot", method="act", further=("reset",))
+PICKLED = ".pickle"  # how the name of a file ends that holds a factory
 
 
 def installed(group: Group) -> list[str]:
@@ -38,6 +46,8 @@ def installed(group: Group) -> list[str]:
 
 def is_extension(group: Group, name: str) -> bool:
     """Whether the name is one that `make` would look for outside flightstack."""
+    if name.endswith(PICKLED):
+        return True
     return ("/" not in name and ":" in name) or name in installed(group)
 
 
@@ -56,15 +66,18 @@ def make(group: Group, name: str, **arguments: Any) -> Any:
         raise UsageError(
             f"{group.kind} {name!r} does not load: {type(error).__name__}: {reason}"
         ) from error
-    if not callable(getattr(part, group.method, None)):
-        raise UsageError(
-            f"{group.kind} {name!r} does not load: {type(part).__name__} has no method "
-            f"{group.method}(); see docs/bring-your-own.md"
-        )
+    for method in (group.method, *group.further):
+        if not callable(getattr(part, method, None)):
+            raise UsageError(
+                f"{group.kind} {name!r} does not load: {type(part).__name__} has no method "
+                f"{method}(); see docs/bring-your-own.md"
+            )
     return part
 
 
 def _factory(group: Group, name: str) -> Any:
+    if name.endswith(PICKLED):
+        return pickle.loads(Path(name).read_bytes())  # noqa: S301  code that the user names, as below
     module, colon, attribute = name.partition(":")
     if colon:
         return getattr(importlib.import_module(module), attribute)

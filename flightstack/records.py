@@ -12,11 +12,13 @@ from flightstack.arrays import (
     CountPerVelocity,
     GateCovariances,
     GatePositions,
+    PerAxis,
     PerGate,
     PerMember,
     PerSample,
     PerVelocity,
     Rgb,
+    SmallRgb,
 )
 
 VELOCITIES = ("vx", "vy", "vz", "yaw_rate")  # m/s, m/s, m/s, rad/s; body FRD
@@ -43,6 +45,16 @@ class Pose:
     roll_rad: float
     pitch_rad: float
     yaw_rad: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Observation:
+    """What an end-to-end policy is told: an image, and the vehicle's own estimate at its stamp."""
+
+    stamp_us: int  # vehicle time
+    image: SmallRgb
+    velocity: PerAxis  # m/s: forward, right, down; level axes along the heading, as of commands
+    attitude: PerAxis  # rad: roll, pitch, yaw (clockwise from north)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,8 +6,9 @@ import sys
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
+from flightstack.arguments.parser import OptionParser
 from flightstack.companion.options.camera_options import add_camera_options, camera_settings
 from flightstack.errors import FlightstackError, UsageError
 from flightstack.printable import printable
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from flightstack.companion.flight import FlightPlan
     from flightstack.companion.guards.limits import FlightLimits
     from flightstack.companion.piloting.protocols import GuardedPilot
+    from flightstack.companion.pilots.choice import PilotChoice
     from flightstack.mavlink.motion import MotionHistory
 
 PROGRAM = "flightstack.companion"
@@ -30,17 +32,10 @@ exit codes: 0 done, 1 mission failed, 2 usage, 3 no vehicle, link or camera, 4 b
 130 interrupted. SIGINT and SIGTERM land first; a second one ends at once."""
 
 
-class _CompanionParser(argparse.ArgumentParser):
-    """argparse, with errors of one line."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message}; --help lists the options\n")
-
-
-def build_parser() -> argparse.ArgumentParser:
+def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
     """Describe the command line."""
-    parser = _CompanionParser(
-        prog=PROGRAM,
+    parser = OptionParser(
+        prog=program,
         description="Fly a MAVLink vehicle through gates by what its camera sees.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -49,10 +44,11 @@ def build_parser() -> argparse.ArgumentParser:
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--udp", metavar="PORT", help="listen on this UDP port (default 14540)")
     where.add_argument("--connect", metavar="STRING", help="connection string, see below")
-    add("--model", default=DEFAULT_MODEL, help=f"which model flies (default {DEFAULT_MODEL})")
+    add("--model", help=f"which model flies (default {DEFAULT_MODEL})")
     add("--strategy", help="how it decides (default: the model's); yours as my_package:MyStrategy")
     add("--perception", metavar="NAME", help="your own instead of the model's")
     add("--policy", metavar="NAME", help="your own instead of the model's")
+    add("--pilot", metavar="NAME", help="your own instead of all three: from image to velocities")
     add("--pair-side", choices=("left", "right"), help="which of two gates (docs/belief.md)")
     add("--direction", choices=("cw", "ccw"), default="cw", help="of the course (default cw)")
     add("--seed", type=_whole, default=0, help="of the sampling (default 0)")
@@ -96,16 +92,16 @@ def _add_limits(parser: argparse.ArgumentParser) -> None:
     add("--max-descent", type=_positive, default=5.0, metavar="M/S", help="downwards (5)")
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Run the companion; returns the exit code."""
-    arguments = build_parser().parse_args(argv)
+    arguments = build_parser(program).parse_args(argv)
     try:
         return _fly(arguments)
     except FlightstackError as error:
-        print(f"{PROGRAM}: {printable(str(error))}", file=sys.stderr)
+        print(f"{program}: {printable(str(error))}", file=sys.stderr)
         return error.exit_code
     except KeyboardInterrupt:
-        print(f"{PROGRAM}: interrupted", file=sys.stderr)
+        print(f"{program}: interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
 
 
@@ -115,59 +111,37 @@ def _fly(arguments: argparse.Namespace) -> int:
     from flightstack.companion.flight import fly  # noqa: PLC0415
     from flightstack.companion.signals import ending_at_once  # noqa: PLC0415
 
-    plan = _plan(arguments)
+    plan, choice = _plan(arguments), _choice(arguments)
 
     def load_pilot(motion: "MotionHistory") -> "GuardedPilot":
-        from flightstack.companion.piloting.in_process import start_in_process  # noqa: PLC0415
-        from flightstack.companion.piloting.in_worker import WorkerPilot  # noqa: PLC0415
-        from flightstack.companion.pipeline import brings_parts, pipeline_loader  # noqa: PLC0415
-        from flightstack.gate_models import is_gate_model  # noqa: PLC0415
+        from flightstack.companion.pilots.choice import load_pilot as load  # noqa: PLC0415
 
-        if is_gate_model(arguments.model):
-            return _load_belief(arguments, motion)
-        if arguments.pair_side is not None:
-            raise UsageError(f"--pair-side: {arguments.model} has no belief of where gates are")
-        load = pipeline_loader(
-            arguments.model,
-            arguments.strategy,
-            arguments.seed,
-            direction=arguments.direction,
-            perception=arguments.perception,
-            policy=arguments.policy,
-        )
-        if brings_parts(arguments.strategy, arguments.perception, arguments.policy):
-            return WorkerPilot.start(load, max_memory_bytes=arguments.part_memory * 1e9)
-        return start_in_process(load)
+        return load(choice, motion)
 
     console = Console(verbosity=int(arguments.verbose) - int(arguments.quiet))
     with ending_at_once():
         summary = fly(plan, load_pilot, console)
     if arguments.json:
-        print(summary.to_json(model=arguments.model, strategy=_strategy(arguments)), flush=True)
+        model, strategy = choice.names
+        print(summary.to_json(model=model, strategy=strategy), flush=True)
     else:
         print(summary.to_text(), flush=True)
     return summary.exit_code
 
 
-def _load_belief(arguments: argparse.Namespace, motion: "MotionHistory") -> "GuardedPilot":
-    from flightstack.companion.belief_pilot import belief_loader  # noqa: PLC0415
-    from flightstack.companion.piloting.in_process import start_in_process  # noqa: PLC0415
-    from flightstack.companion.pipeline import brings_parts  # noqa: PLC0415
+def _choice(arguments: argparse.Namespace) -> "PilotChoice":
+    from flightstack.companion.pilots.choice import PilotChoice  # noqa: PLC0415
 
-    if brings_parts(arguments.strategy, None, None):
-        raise UsageError(f"--strategy: {arguments.model} takes one of flightstack's own")
-    for option in ("perception", "policy"):
-        if getattr(arguments, option) is not None:
-            raise UsageError(f"--{option}: not with {arguments.model}, which flies by a belief")
-    return start_in_process(
-        belief_loader(
-            arguments.model,
-            arguments.strategy,
-            arguments.seed,
-            motion,
-            direction=arguments.direction,
-            pair_side=arguments.pair_side,
-        )
+    return PilotChoice(
+        model=arguments.model or (DEFAULT_MODEL if arguments.pilot is None else None),
+        strategy=arguments.strategy,
+        perception=arguments.perception,
+        policy=arguments.policy,
+        pilot=arguments.pilot,
+        pair_side=arguments.pair_side,
+        direction=arguments.direction,
+        seed=arguments.seed,
+        part_memory_gb=arguments.part_memory,
     )
 
 
@@ -212,12 +186,6 @@ def _limits(arguments: argparse.Namespace) -> "FlightLimits":
         max_climb_m_s=arguments.max_climb,
         max_descent_m_s=arguments.max_descent,
     )
-
-
-def _strategy(arguments: argparse.Namespace) -> str:
-    from flightstack.models import recorded  # noqa: PLC0415
-
-    return arguments.strategy or recorded(arguments.model).strategy
 
 
 def _default_log() -> Path:

@@ -7,6 +7,8 @@ import sys
 from collections.abc import Sequence
 from types import ModuleType
 
+from flightstack.arguments.options import sub_parsers
+from flightstack.arguments.parser import OptionParser
 from flightstack.errors import FlightstackError
 from flightstack.libraries import require
 
@@ -16,32 +18,38 @@ LIBRARIES = ("pybullet", "joblib", "scipy", "matplotlib")
 EXIT_INTERRUPTED = 130
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Run one command; returns the exit code."""
-    options = _parse(arguments)
+    options = _parse(arguments, program)
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     try:
         require("evaluation", *LIBRARIES)
         _module(options.command).run(options)
     except FlightstackError as error:
-        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        print(f"{program}: {error}", file=sys.stderr)
         return error.exit_code
     except KeyboardInterrupt:
-        print(f"{PROGRAM}: interrupted", file=sys.stderr)
+        print(f"{program}: interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
     return 0
 
 
-def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
-    """Parse; `given` names the options that the user gave, whatever their defaults are."""
-    parser = argparse.ArgumentParser(prog=PROGRAM, description=__doc__)
+def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
+    """Describe the command line."""
+    parser = OptionParser(prog=program, description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name in COMMANDS:
         module = _module(name)
         about = (module.__doc__ or "").splitlines()[0]
         module.add_arguments(commands.add_parser(name, help=about, description=about))
+    return parser
+
+
+def _parse(arguments: Sequence[str] | None, program: str) -> argparse.Namespace:
+    """Parse; `given` names the options that the user gave, whatever their defaults are."""
+    parser = build_parser(program)
     options = parser.parse_args(arguments)
-    commands.choices[options.command].set_defaults(**dict.fromkeys(vars(options)))
+    sub_parsers(parser)[options.command].set_defaults(**dict.fromkeys(vars(options)))
     again = vars(parser.parse_args(arguments))
     options.given = frozenset(name for name, value in again.items() if value is not None)
     return options

@@ -2,7 +2,7 @@
 
 from flightstack.launch import fly
 
-result = fly(track_seed=7, noise_m=(1.0, 2.0))
+result = fly(track_seed=7, noise=(1.0, 2.0))
 print(result.outcome, result.gates_passed, result.log)
 """
 

@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from flightstack.arguments.parser import OptionParser
 from flightstack.errors import FlightstackError, UsageError
 from flightstack.launch.processes import Stream, programs, started
 from flightstack.launch.px4 import held_ports, prepared_px4
@@ -15,22 +16,23 @@ from flightstack.launch.request import GIVES_UP, FlightRequest
 from flightstack.launch.result import FlightResult, noise_m
 
 PROGRAM = "scripts/fly"
+PARTS = ("strategy", "perception", "policy", "pilot")  # that a user may bring
 DID_NOT_FLY = "did not fly"
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Fly; the companion's exit code is the command's."""
-    options = _parse(argv)
+    options = build_parser(program).parse_args(argv)
     try:
         request = _request(options)
         with tempfile.TemporaryFile("w+") as output:
-            exit_code = _fly(request, output if options.json else None)
+            exit_code = _fly(request, output if options.json else None, program)
             if options.json:
                 output.seek(0)
                 print(_result_line(output.read(), request, exit_code))
             return exit_code
     except FlightstackError as error:
-        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        print(f"{program}: {error}", file=sys.stderr)
         return error.exit_code
 
 
@@ -40,16 +42,22 @@ def _request(options: argparse.Namespace) -> FlightRequest:
         track_seed=options.track_seed,
         noise=options.noise,
         model=options.model,
-        strategy=options.strategy,
         speed_factor=0.0 if options.fast else options.speed_factor,
         px4=_px4_of(options),
         px4_folder=options.px4_folder,
-        vehicle_options=("-q",),
-        companion_options=(*GIVES_UP, *(("--json",) if options.json else ())),
+        vehicle_options=(
+            *("-q", f"--seed={options.seed}"),
+            *(f"--condition={change}" for change in options.condition),
+        ),
+        companion_options=(
+            *(*GIVES_UP, f"--seed={options.seed}"),
+            *(f"--{part}={name}" for part in PARTS if (name := getattr(options, part))),
+            *(("--json",) if options.json else ()),
+        ),
     )
 
 
-def _fly(request: FlightRequest, output: Stream) -> int:
+def _fly(request: FlightRequest, output: Stream, program: str) -> int:
     """Fly with the processes' words on the terminal; signals are for the companion."""
     with held_ports(request) as ports, prepared_px4(request, ports) as px4:
         both = programs(request, ports, companion=(output, None))
@@ -59,7 +67,7 @@ def _fly(request: FlightRequest, output: Stream) -> int:
             exit_code = pair.wait()
             died = None if px4 is None else px4.explain_end(pair)
             if died is not None:
-                print(f"{PROGRAM}: {died}", file=sys.stderr)
+                print(f"{program}: {died}", file=sys.stderr)
             return exit_code
 
 
@@ -80,9 +88,10 @@ def _px4_of(options: argparse.Namespace) -> Path | None:
     return px4
 
 
-def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        prog=PROGRAM, description="Fly one course in simulation and say what happened."
+def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
+    """Describe the command line."""
+    parser = OptionParser(
+        prog=program, description="Fly one course in simulation and say what happened."
     )
     add = parser.add_argument
     add("--laps", type=int, default=1, help="laps of 8 gates (default 1)")
@@ -95,6 +104,17 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     )
     add("--model", help="which model flies (default: the companion's)")
     add("--strategy", help="how it decides (default: the model's)")
+    add("--perception", metavar="NAME", help="your own: see docs/bring-your-own.md")
+    add("--policy", metavar="NAME", help="your own")
+    add("--pilot", metavar="NAME", help="your own, in place of model, perception, policy, strategy")
+    add("--seed", type=int, default=0, help="of light, sensors and sampling (default 0)")
+    add(
+        *("--condition",),
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="of the day, as camera.latency_s=0.1: see docs/conditions.md",
+    )
     speed = parser.add_mutually_exclusive_group()
     speed.add_argument(
         "--speed-factor", type=float, default=1.0, help="times real time (default 1)"
@@ -104,4 +124,4 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     add("--px4", type=Path, metavar="PATH", help="build folder or binary of a real PX4")
     add("--px4-folder", type=Path, metavar="DIR", help="where PX4 runs and leaves its logs")
     add("--json", action="store_true", help="last line of output: the result as one JSON object")
-    return parser.parse_args(argv)
+    return parser

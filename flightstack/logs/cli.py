@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
+from flightstack.arguments.parser import OptionParser
 from flightstack.errors import FlightstackError
 from flightstack.logs.process import imported, keep_freed_memory, single_threaded_numpy
 from flightstack.printable import printable
@@ -149,12 +150,12 @@ class _Formatter(argparse.HelpFormatter):
         super().__init__(prog, width=_help_width())
 
 
-def build_parser(names: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
+def build_parser(
+    program: str = PROGRAM, names: Iterable[str] = COMMANDS
+) -> argparse.ArgumentParser:
     """Return the command line with these commands."""
-    parser = argparse.ArgumentParser(
-        prog=PROGRAM, description=DESCRIPTION, formatter_class=_Formatter
-    )
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, prog=PROGRAM)
+    parser = OptionParser(prog=program, description=DESCRIPTION, formatter_class=_Formatter)
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, prog=program)
     for name in names:
         command = COMMANDS[name]
         options = commands.add_parser(
@@ -169,14 +170,14 @@ def build_parser(names: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
     return parser
 
 
-def parse(arguments: Sequence[str]) -> argparse.Namespace:
+def parse(arguments: Sequence[str], program: str = PROGRAM) -> argparse.Namespace:
     """Return the parsed command line; a bare path is a summary of it."""
     given = list(arguments) or ["--help"]
     if given[0] in ("-h", "--help"):
-        return build_parser().parse_args(given)
+        return build_parser(program).parse_args(given)
     if given[0] not in COMMANDS:
         given.insert(0, "summary")
-    return build_parser(given[:1]).parse_args(given)
+    return build_parser(program, given[:1]).parse_args(given)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -189,9 +190,9 @@ def run(arguments: argparse.Namespace) -> int:
     return code
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Run the command line; errors are one line, and the exit code says what kind."""
-    parsed = parse(sys.argv[1:] if arguments is None else arguments)
+    parsed = parse(sys.argv[1:] if arguments is None else arguments, program)
     try:
         code = run(parsed)
         sys.stdout.flush()
@@ -205,6 +206,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
             import json  # noqa: PLC0415  # --help needs none
 
             print(json.dumps({"error": str(error)}))
-        print(f"error: {printable(str(error))}", file=sys.stderr)
+        print(f"{program}: {printable(str(error))}", file=sys.stderr)
         return error.exit_code
     return code

@@ -19,6 +19,7 @@ MAX_BACK_US = 1_000_000
 MILLISECOND_US = 1000
 SECOND_US = 1_000_000
 Vector3 = tuple[float, float, float]
+STILL = (0.0, 0.0, 0.0)
 
 
 class _Attitude(NamedTuple):
@@ -57,6 +58,15 @@ class MotionHistory:
             entry = _Place(message.time_boot_ms * MILLISECOND_US, position, velocity)
             if _may_follow(self._places, entry.time_us):
                 self._places.append(entry)
+
+    def note(self, pose: Pose) -> None:
+        """Take a pose that another history told: here it is known for that moment alone."""
+        angles = (pose.roll_rad, pose.pitch_rad, pose.yaw_rad)
+        attitude = _Attitude(pose.time_us, angles, STILL)
+        if _may_follow(self._attitudes, pose.time_us):
+            self._attitudes.append(attitude)
+        if _may_follow(self._places, pose.time_us):
+            self._places.append(_Place(pose.time_us, pose.position_ned, pose.velocity_ned))
 
     @property
     def latest(self) -> Pose | None:

@@ -11,7 +11,7 @@ from tests.paths import ROOT
 HEAVY = ("torch", "pybullet", "cv2", "scipy", "pymavlink", "matplotlib", "pyarrow", "jaxtyping")
 COMMANDS = (
     *("sitl", "flightstack.companion", "flightstack.launch"),
-    *("flightstack.training", "flightstack.evaluation", "flightstack.logs"),
+    *("flightstack.training", "flightstack.evaluation", "flightstack.logs", "flightstack.cli"),
     "flightstack.calibration",
 )
 REPORT_LOADED = """

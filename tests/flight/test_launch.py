@@ -21,7 +21,7 @@ from tests.paths import ROOT
 
 pytestmark = pytest.mark.flight
 START_S = 60.0
-LONG_FLIGHT = "from flightstack.launch import fly; fly(laps=9, noise_m=(0.0, 0.0), fast=True)"
+LONG_FLIGHT = "from flightstack.launch import fly; fly(laps=9, noise=(0.0, 0.0), fast=True)"
 
 
 def timeless(result: FlightResult) -> tuple[object, ...]:
@@ -32,7 +32,7 @@ def test_a_warm_start_gives_the_flight_of_a_cold_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    cold = fly(track_seed=7, noise_m=(1.0, 2.0), fast=True)
+    cold = fly(track_seed=7, noise=(1.0, 2.0), fast=True)
     assert cold.outcome == "completed"
     assert (cold.gates_passed, cold.gates_total) == (8, 8)
     assert cold.log.is_file()
@@ -80,7 +80,7 @@ def test_what_cannot_be_flown_is_one_line() -> None:
     with pytest.raises(ModelError, match=r"^flightstack\.companion: unknown model 'no/such'"):
         fly(model="no/such")
     with pytest.raises(UsageError, match=r"^sitl: argument --noise: "):
-        fly(noise_m=(-1.0, 2.0))
+        fly(noise=(-1.0, 2.0))
 
 
 @pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGKILL])

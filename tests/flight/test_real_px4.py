@@ -21,7 +21,7 @@ pytestmark = [
 
 def test_a_course_is_flown_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    result = fly(track_seed=1000, noise_m=(0.0, 0.0), fast=True, px4=Path(str(BUILD)))
+    result = fly(track_seed=1000, noise=(0.0, 0.0), fast=True, px4=Path(str(BUILD)))
     assert (result.outcome, result.gates_passed, result.gates_total) == ("completed", 8, 8)
     assert result.log.is_file()
 

@@ -8,6 +8,7 @@ import struct
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Self
 
@@ -18,10 +19,12 @@ from flightstack.companion.piloting.wire import (
     LOADED,
     READY,
     read_decision,
+    write_image,
 )
-from flightstack.companion.piloting.worker import IMAGE, MAX_MESSAGE, serve
+from flightstack.companion.piloting.worker import MAX_MESSAGE, serve
 from flightstack.companion.waiting import wait_for_any
 from flightstack.errors import FlightstackError, ModelError, UsageError
+from flightstack.mavlink.motion import MotionHistory
 from flightstack.perception.preprocessing import fit_image
 from flightstack.records import Decision, Image
 
@@ -43,6 +46,7 @@ class WorkerPilot:
         process_id: int,
         channel: socket.socket,
         marker: PartMarker,
+        motion: MotionHistory,
         *,
         max_memory_bytes: float,
         wall_s: Callable[[], float],
@@ -51,6 +55,7 @@ class WorkerPilot:
         self.image_s = 0.0  # wall time of one decision, when it was tried
         self._process_id: int | None = process_id
         self._channel, self._marker, self._wall_s = channel, marker, wall_s
+        self._motion = motion
         self._max_memory_bytes = max_memory_bytes
         self._asked_s: float | None = None  # an answer is awaited since then
         self._asked = 0
@@ -59,22 +64,29 @@ class WorkerPilot:
     def start(
         cls,
         load: PilotLoader,
+        motion: MotionHistory | None = None,
         *,
         max_memory_bytes: float,
         wall_s: Callable[[], float] = time.monotonic,
     ) -> Self:
-        """Fork the worker and wait until it is ready; raises UsageError or ModelError if not."""
+        """Fork the worker and wait until it is ready; raises UsageError or ModelError if not.
+
+        Whatever holds `motion` in `load` finds there, in its own process, what telemetry tells.
+        """
         if sys.platform != "linux":
             raise UsageError("parts of your own fly on Linux alone, which can watch their process")
+        motion = MotionHistory() if motion is None else motion
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         marker = PartMarker()
         sys.stdout.flush()
         process_id = os.fork()
         if process_id == 0:
-            serve(theirs, load, marker)
+            serve(theirs, load, marker, motion)
         theirs.close()
         ours.settimeout(0.0)
-        pilot = cls(process_id, ours, marker, max_memory_bytes=max_memory_bytes, wall_s=wall_s)
+        pilot = cls(
+            process_id, ours, marker, motion, max_memory_bytes=max_memory_bytes, wall_s=wall_s
+        )
         try:
             pilot._await_ready()
         except BaseException:
@@ -119,10 +131,9 @@ class WorkerPilot:
         self._channel.close()
 
     def _ask(self, image: Image) -> None:
-        rgb = fit_image(image.rgb)
-        head = IMAGE.pack(image.stamp_us, image.sequence, *rgb.shape[:2])
+        fitted = replace(image, rgb=fit_image(image.rgb))
         try:
-            self._channel.send(head + rgb.tobytes())
+            self._channel.send(write_image(fitted, self._motion.at(image.stamp_us)))
         except OSError:
             self._fail_for_good(self._end())
             return

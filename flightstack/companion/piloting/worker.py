@@ -13,8 +13,6 @@ import struct
 from pathlib import Path
 from typing import NoReturn
 
-import numpy as np
-
 from flightstack.companion.piloting.check import fault_of
 from flightstack.companion.piloting.failure import PartFailure, PartMarker, explain
 from flightstack.companion.piloting.in_process import try_pilot
@@ -25,24 +23,29 @@ from flightstack.companion.piloting.wire import (
     LOADED,
     READY,
     REFUSED,
+    read_image,
     write_decision,
 )
 from flightstack.errors import FlightstackError, UsageError
-from flightstack.records import Image
+from flightstack.mavlink.motion import MotionHistory
 
-IMAGE = struct.Struct("<qqHH")  # stamp (us), sequence, height, width; then RGB bytes
 MAX_MESSAGE = 1 << 17
 PR_SET_PDEATHSIG = 1  # Linux prctl
 
 
-def serve(channel: socket.socket, load: PilotLoader, marker: PartMarker) -> NoReturn:
-    """Load, try, then answer images until the other end is closed; never returns."""
+def serve(
+    channel: socket.socket, load: PilotLoader, marker: PartMarker, motion: MotionHistory
+) -> NoReturn:
+    """Load, try, then answer images until the other end is closed; never returns.
+
+    `motion` is this process's own copy, which is kept up to date as the parent tells of poses.
+    """
     code = 1
     try:
         _stand_alone(channel)
         pilot = _ready_pilot(channel, load, marker)
         while pilot is not None and (data := channel.recv(MAX_MESSAGE)):
-            channel.send(_answer(pilot, data, marker))
+            channel.send(_answer(pilot, data, marker, motion))
         code = 0
     finally:
         os._exit(code)
@@ -85,11 +88,12 @@ def _ready_pilot(channel: socket.socket, load: PilotLoader, marker: PartMarker) 
     return pilot
 
 
-def _answer(pilot: Pilot, data: bytes, marker: PartMarker) -> bytes:
-    stamp_us, sequence, height, width = IMAGE.unpack_from(data)
-    rgb = np.frombuffer(data, np.uint8, offset=IMAGE.size).reshape(height, width, 3)
+def _answer(pilot: Pilot, data: bytes, marker: PartMarker, motion: MotionHistory) -> bytes:
+    image, pose = read_image(data)
+    if pose is not None:
+        motion.note(pose)
     try:
-        decision = pilot.decide(Image(stamp_us=stamp_us, sequence=sequence, rgb=rgb.copy()))
+        decision = pilot.decide(image)
         fault = fault_of(decision)
         if fault is None:
             return DECIDED + write_decision(decision)

@@ -27,7 +27,7 @@ def models_of(experiment: Experiment) -> dict[str, str]:
 
     Raises ModelError where a model is unknown, or its weights are damaged.
     """
-    names = _weights_of(experiment)
+    names = [model for model, weights in _weights_of(experiment).items() if weights]
     return {name: models.file_sha256(models.find(name) / models.CONFIG_FILE) for name in names}
 
 
@@ -94,7 +94,11 @@ def _provenance(
 
 
 def _weights_of(experiment: Experiment) -> dict[str, str]:
-    return {row.model: _checked_sha256(row.model) for row in experiment.rows}
+    """Return the hash of each row's weights; a pilot of a user's own is told by its code alone."""
+    return {
+        row.model: _checked_sha256(row.model) if row.pilot is None else ""
+        for row in experiment.rows
+    }
 
 
 def _checked_sha256(name: str) -> str:

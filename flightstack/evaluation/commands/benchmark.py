@@ -17,6 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--policy", metavar="NAME", help="yours: my_package:MyPolicy (docs/bring-your-own.md)")
     add("--perception", metavar="NAME", help="yours: my_package:MyPerception")
     add("--strategy", metavar="NAME", help="yours, or a known one (default: the model's)")
+    add("--pilot", metavar="NAME", help="yours in place of all: from image to velocities")
     add("--model", default="strong/m0", help="whose other parts fly with yours (strong/m0)")
     add("--against", nargs="*", metavar="MODEL", help="models beside yours (default: --model's)")
     add(
@@ -50,14 +51,24 @@ def run(options: argparse.Namespace) -> None:
 def _request(options: argparse.Namespace, conditions: tuple["Condition", ...]) -> "Experiment":
     """Put what the user brings first."""
     from flightstack.errors import UsageError  # noqa: PLC0415
-    from flightstack.evaluation.trials.competitors import make_competitors, make_users_competitor  # noqa: PLC0415
+    from flightstack.evaluation.trials.competitors import (  # noqa: PLC0415
+        make_competitors,
+        make_pilots_competitor,
+        make_users_competitor,
+    )
     from flightstack.evaluation.trials.experiment import Experiment, tracks  # noqa: PLC0415
 
-    if not any((options.perception, options.policy, options.strategy)):
-        raise UsageError("name your own part: --policy, --perception or --strategy")
-    own = make_users_competitor(
-        options.model, options.strategy, perception=options.perception, policy=options.policy
-    )
+    parts = (options.perception, options.policy, options.strategy)
+    if options.pilot is not None:
+        if any(parts):
+            raise UsageError("--pilot: it takes no --policy, --perception or --strategy beside it")
+        own = make_pilots_competitor(options.pilot)
+    elif any(parts):
+        own = make_users_competitor(
+            options.model, options.strategy, perception=options.perception, policy=options.policy
+        )
+    else:
+        raise UsageError("name your own part: --policy, --perception, --strategy or --pilot")
     against = [options.model] if options.against is None else options.against
     return Experiment(
         name=NAME,
@@ -72,10 +83,11 @@ def _request(options: argparse.Namespace, conditions: tuple["Condition", ...]) -
 def _options_of(held: "Experiment") -> dict[str, list[str]]:
     own, *others = held.rows
     users = dict(text.removeprefix("--").split("=", 1) for text in own.companion_options)
+    brought = ("perception", "policy", "pilot")
+    models = {} if own.pilot is not None else {"strategy": [own.strategy], "model": [own.model]}
     return {
-        **{part: [users[part]] if part in users else [] for part in ("perception", "policy")},
-        "strategy": [own.strategy],
-        "model": [own.model],
+        **{part: [users[part]] if part in users else [] for part in brought},
+        **models,
         "against": [row.model for row in others],
         "rungs": [condition.name for condition in held.conditions],
     }

@@ -16,8 +16,8 @@ def request_of(trial: Trial, log: Path) -> FlightRequest:
         laps=trial.laps,
         track_seed=trial.track_seed,
         noise=f"{radius_m},{height_m}",
-        model=row.model,
-        strategy=row.strategy,
+        model=row.model if row.pilot is None else None,
+        strategy=row.strategy if row.pilot is None else None,
         speed_factor=0.0,
         vehicle_options=(
             *(f"--seed={trial.seed}", f"--direction={condition.direction}"),

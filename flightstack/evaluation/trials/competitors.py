@@ -5,9 +5,11 @@ from collections.abc import Sequence
 from pathlib import PurePath
 
 from flightstack import models
+from flightstack.companion.pilots.choice import BY_ITSELF
+from flightstack.companion.pilots.end_to_end import make_end_to_end
 from flightstack.companion.pipeline import load_pipeline
 from flightstack.errors import UsageError
-from flightstack.evaluation.trials.experiment import Competitor
+from flightstack.evaluation.trials.experiment import PILOT_OPTION, Competitor
 from flightstack.gate_models import is_gate_model, load_gate_model
 
 PATH_PARTS = 2  # of a model's folder that name it: its recipe and its name
@@ -47,6 +49,23 @@ def make_users_competitor(
         companion_options=tuple(
             f"--{part}={name}" for part, name in users.items() if name is not None
         ),
+    )
+
+
+def make_pilots_competitor(pilot: str) -> Competitor:
+    """Make the row of an end-to-end policy that a user brings, which needs no model.
+
+    Raises UsageError where it does not load.
+    """
+    try:
+        make_end_to_end(pilot)
+    except SystemExit as error:
+        raise UsageError(f"{pilot} does not load: it ends Python by {error!r}") from error
+    return Competitor(
+        name=plain_name(pilot),
+        model=pilot,
+        strategy=BY_ITSELF,
+        companion_options=(f"{PILOT_OPTION}{pilot}",),
     )
 
 

@@ -19,6 +19,7 @@ from flightstack.training.seeds import TEST_TRACKS
 
 FIRST_TRACK = 1000  # those before are flown by hand, by tests and in documents
 MAX_COUNT = 1000  # laps, or trials on a track: more is a slip of the finger
+PILOT_OPTION = "--pilot="
 Key = tuple[str, str, int, int]  # row, condition, track and trial
 NAME = re.compile(r"[a-z0-9][a-z0-9._+]*(-[a-z0-9._+]+)*")  # also part of a file's name
 
@@ -35,6 +36,12 @@ class Competitor:
 
     def __post_init__(self) -> None:
         _check_name("row", self.name)
+
+    @property
+    def pilot(self) -> str | None:
+        """The end-to-end policy that flies in place of a model; its name is the model's, too."""
+        options = (text for text in self.companion_options if text.startswith(PILOT_OPTION))
+        return next((text.removeprefix(PILOT_OPTION) for text in options), None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

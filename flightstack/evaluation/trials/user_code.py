@@ -3,7 +3,7 @@
 Where the part comes from a package, all *.py below its top-level folder count, in the order of
 their paths; where it is a module alone, that file counts. Modules that a lone file imports do not,
 nor do data files: what shall be noticed goes into a package. Parts of flightstack itself are left
-out, since each row names the commit that flew it.
+out, since each row names the commit that flew it. Of a pickled part the file counts.
 """
 
 import hashlib
@@ -14,22 +14,25 @@ from pathlib import Path
 
 from flightstack.decision.strategies import STRATEGIES
 from flightstack.evaluation.trials.experiment import Competitor, Experiment
-from flightstack.extensions import PERCEPTION, POLICY, STRATEGY, Group, is_extension
+from flightstack.extensions import PERCEPTION, PICKLED, PILOT, POLICY, STRATEGY, Group, is_extension
 
 OURS = "flightstack"
-BY_OPTION = {f"--{group.kind}": group for group in (PERCEPTION, POLICY)}
+BY_OPTION = {f"--{group.kind}": group for group in (PERCEPTION, POLICY, PILOT)}
 
 
 def code_of(experiment: Experiment) -> dict[str, str]:
     """Return the SHA-256 of every part that users bring's source, by the part's name."""
-    modules = {
-        name: _module(group, name) for row in experiment.rows for group, name in _users_parts(row)
-    }
-    return {
-        name: _sha256(module.partition(".")[0])
-        for name, module in sorted(modules.items())
-        if module.partition(".")[0] != OURS
-    }
+    groups = {name: group for row in experiment.rows for group, name in _users_parts(row)}
+    hashes = {name: _hash_of(group, name) for name, group in sorted(groups.items())}
+    return {name: found for name, found in hashes.items() if found is not None}
+
+
+def _hash_of(group: Group, name: str) -> str | None:
+    """Hash the source of one part; None where it is flightstack's own."""
+    if name.endswith(PICKLED):
+        return hashlib.sha256(Path(name).read_bytes()).hexdigest()
+    module = _module(group, name).partition(".")[0]
+    return None if module == OURS else _sha256(module)
 
 
 def _users_parts(row: Competitor) -> Iterator[tuple[Group, str]]:
@@ -37,7 +40,11 @@ def _users_parts(row: Competitor) -> Iterator[tuple[Group, str]]:
         option, _, name = text.partition("=")
         if option in BY_OPTION:
             yield BY_OPTION[option], name
-    if row.strategy not in STRATEGIES and is_extension(STRATEGY, row.strategy):
+    if (
+        row.pilot is None
+        and row.strategy not in STRATEGIES
+        and is_extension(STRATEGY, row.strategy)
+    ):
         yield STRATEGY, row.strategy
 
 

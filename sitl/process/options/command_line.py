@@ -16,6 +16,7 @@ from sitl.records.conditions import Conditions, read_conditions
 from sitl.records.course import Direction
 from sitl.records.motion import Vector3
 
+PROGRAM = "sitl"
 NOISE = (1.0, 2.0)  # GRN, GHN
 GCS_PORTS = (18570, 14550)  # local, remote, as PX4; the local one grows with the instance
 API_PORTS = (14580, 14540)  # both grow with the instance
@@ -71,17 +72,17 @@ class _UsageParser(argparse.ArgumentParser):
     """Errors are one line that says what to do."""
 
     def error(self, message: str) -> NoReturn:
-        raise UsageError(f"{message} (see --help)")
+        raise UsageError(f"{message}; --help lists the options")
 
 
-def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
+def parse(argv: Sequence[str], environment: Mapping[str, str], program: str = PROGRAM) -> Options:
     """Read the command line and the environment.
 
     Raises:
         UsageError: something cannot be; says what, which value, and what would be.
 
     """
-    given = _parser().parse_args(argv)
+    given = build_parser(program).parse_args(argv)
     instance = given.instance
     conditions = read_conditions(given.conditions, given.condition)
     home = given.home or _home_from(environment)
@@ -121,9 +122,10 @@ def parse(argv: Sequence[str], environment: Mapping[str, str]) -> Options:
     )
 
 
-def _parser() -> argparse.ArgumentParser:
+def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
+    """Describe the command line."""
     parser = _UsageParser(
-        prog="python -m sitl",
+        prog=program,
         description="A simulated PX4-style quadrotor with a camera, on a course of gates.",
         epilog="PX4_SIM_SPEED_FACTOR, PX4_HOME_LAT, PX4_HOME_LON, PX4_HOME_ALT and "
         "PX4_PARAM_<NAME> are heeded, as by PX4; the command line goes before them.",

@@ -1,3 +1,4 @@
+import pickle
 import sys
 import tomllib
 from pathlib import Path
@@ -14,6 +15,13 @@ from tests.paths import DOCS
 
 EXAMPLE = DOCS / "examples" / "cautious"
 IMAGE = Image(stamp_us=0, sequence=0, rgb=np.full((64, 64, 3), 90, dtype=np.uint8))
+
+
+class HalfAPilot:
+    """Remembers for ever."""
+
+    def __init__(self, **_: object) -> None:
+        self.act = print
 
 
 @pytest.fixture
@@ -77,6 +85,27 @@ def test_what_does_not_load_is_one_clear_error(name: str, message: str) -> None:
 def test_unknown_perception_names_what_is_installed() -> None:
     with pytest.raises(UsageError, match="unknown perception 'stedy': installed are"):
         load_pipeline("strong/m0", perception="stedy")
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("cautious:CautiousStrategy", r"CautiousStrategy has no method act\(\)"),
+        ("no/such.pickle", "does not load: FileNotFoundError"),
+    ],
+)
+@pytest.mark.usefixtures("importable")
+def test_what_is_no_pilot_is_one_clear_error(name: str, message: str) -> None:
+    with pytest.raises(UsageError, match=message) as caught:
+        extensions.make(extensions.PILOT, name, direction="cw", seed=0)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_pilot_must_be_able_to_forget(tmp_path: Path) -> None:
+    file = tmp_path / "half.pickle"
+    file.write_bytes(pickle.dumps(HalfAPilot))
+    with pytest.raises(UsageError, match=r"HalfAPilot has no method reset\(\)"):
+        extensions.make(extensions.PILOT, str(file), direction="cw", seed=0)
 
 
 def test_companion_takes_all_three() -> None:

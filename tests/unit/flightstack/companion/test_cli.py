@@ -61,6 +61,15 @@ def test_a_malformed_connection_string_is_usage(
     assert string in text
 
 
+@pytest.mark.parametrize("option", ["model", "strategy", "perception", "policy", "pair-side"])
+def test_a_pilot_takes_no_other_part_beside_it(
+    option: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, text = refused(capsys, "--pilot=my:Pilot", f"--{option}=left")
+    assert code == 2
+    assert f"--{option}: not with --pilot" in text
+
+
 def test_a_log_that_cannot_be_written_is_usage(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -39,6 +39,22 @@ def test_a_changed_line_is_other_code(tmp_path: Path, forget: Callable[[], None]
     assert code_of(mine) != before
 
 
+def test_a_pilot_counts_and_a_pickled_one_by_its_file(
+    tmp_path: Path, forget: Callable[[], None]
+) -> None:
+    (tmp_path / "mine_alone.py").write_text(GOOD)
+    file = tmp_path / "pilot.pickle"
+    file.write_bytes(b"one")
+    forget()
+    mine = request("--pilot=mine_alone:Good", strategy="act")
+    assert list(code_of(mine)) == ["mine_alone:Good"]
+    pickled = request(f"--pilot={file}", strategy="act")
+    before = code_of(pickled)
+    file.write_bytes(b"other")
+    assert code_of(pickled).keys() == before.keys() == {str(file)}
+    assert code_of(pickled) != before
+
+
 def test_every_module_of_a_package_counts(tmp_path: Path, forget: Callable[[], None]) -> None:
     inner = tmp_path / "mine_whole" / "inner"
     inner.mkdir(parents=True)

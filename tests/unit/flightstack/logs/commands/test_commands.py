@@ -229,7 +229,7 @@ def test_mistakes_get_one_line_that_says_what_to_do(
     assert code == 2
     assert reason in error
     assert error.count("\n") == 1
-    assert error.startswith("error: ")
+    assert error.startswith("python -m flightstack.logs: ")
 
 
 def test_json_errors_are_json_too(tmp_path: Path, capsys: Capture) -> None:

@@ -1,0 +1,1 @@
+"""The one command, `flightstack`: its sub-commands, their options from files, its completion."""

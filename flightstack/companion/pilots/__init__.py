@@ -1,0 +1,1 @@
+"""Which pilot flies, and the one that a user brings whole."""
