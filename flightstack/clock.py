@@ -1,15 +1,32 @@
 """Tell the vehicle's time, from the stamps that its own messages and images carry.
 
 Vehicle time is integer microseconds since the vehicle's boot. It may run at any speed, and it may
-stand still: only stamps move it. Between two stamps `now_us` bridges the gap by the wall clock,
-for the one purpose that needs it: stamping the images of a camera that carries no stamps.
+stand still: only stamps move it. Between two stamps `at_us` bridges the gap by the wall clock, for
+the one purpose that needs it: dating the images of a camera that carries no stamps. Where the
+vehicle has been asked how its clock runs (TIMESYNC), a line tells that, which no link delays.
 The wall clock itself is handed on as `wall_s`: whoever has this clock needs no other.
 """
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
 REBOOT_US = 5_000_000  # a stamp further back than this is a new boot, not one that comes late
+
+MAX_LEAD_US = 50_000  # of telemetry, which can only be late: beyond that the line is wrong
+
+
+@dataclass(frozen=True, slots=True)
+class ClockLine:
+    """How vehicle time runs beside ours."""
+
+    wall_s: float
+    vehicle_us: float  # at that moment
+    rate: float  # vehicle seconds in one of ours
+
+    def at_us(self, wall_s: float) -> int:
+        """Return the vehicle's time at one of ours."""
+        return round(self.vehicle_us + (wall_s - self.wall_s) * self.rate * 1e6)
 
 
 class VehicleClock:
@@ -19,6 +36,7 @@ class VehicleClock:
         self.wall_s = wall_s  # monotonic seconds
         self._first_us: int | None = None
         self._anchor: tuple[int, float] | None = None  # the newest stamp, and when it was seen
+        self._line: ClockLine | None = None
         self.stamp_us = 0  # the newest stamp
         self.before_restart_us: int | None = None  # the newest stamp of the boot before this one
         self.elapsed_us = 0  # since the first stamp seen; never negative, even after a reboot
@@ -28,19 +46,30 @@ class VehicleClock:
         if self._anchor is not None and 0 <= self._anchor[0] - stamp_us < REBOOT_US:
             return
         if self._anchor is not None and stamp_us < self._anchor[0]:
-            self.before_restart_us = self._anchor[0]
+            self._restart(self._anchor[0])
         self._set(stamp_us)
 
     def begin_anew(self, stamp_us: int) -> None:
         """Take the first stamp of a vehicle that has restarted, however little it goes back."""
         if self._anchor is not None and stamp_us < self._anchor[0]:
-            self.before_restart_us = self._anchor[0]
+            self._restart(self._anchor[0])
             self._set(stamp_us)
+
+    def synchronise(self, line: ClockLine | None) -> None:
+        """Tell time by a line from now on; None: by stamps alone."""
+        self._line = line
+
+    def _restart(self, before_us: int) -> None:
+        self.before_restart_us = before_us
+        self._line = None
 
     def _set(self, stamp_us: int) -> None:
         if self._first_us is None:
             self._first_us = stamp_us
-        self._anchor = (stamp_us, self.wall_s())
+        now_s = self.wall_s()
+        self._anchor = (stamp_us, now_s)
+        if self._line is not None and stamp_us - self._line.at_us(now_s) > MAX_LEAD_US:
+            self._line = None
         self.stamp_us = stamp_us
         self.elapsed_us = max(0, stamp_us - self._first_us)
 
@@ -49,9 +78,23 @@ class VehicleClock:
         """Whether any stamp has been seen."""
         return self._anchor is not None
 
+    @property
+    def synchronised(self) -> bool:
+        """Whether the vehicle has said how its clock runs."""
+        return self._line is not None
+
     def now_us(self) -> int:
-        """Return the newest stamp plus the wall time since it was seen."""
-        anchor = self._anchor
+        """Return the vehicle's time now, as far as it is known."""
+        return self.at_us(self.wall_s())
+
+    def at_us(self, wall_s: float) -> int:
+        """Return the vehicle's time at a moment of the wall clock, 0 where nothing is known.
+
+        By the line that the vehicle has told, else the newest stamp and the wall time since.
+        """
+        line, anchor = self._line, self._anchor
+        if line is not None:
+            return max(0, line.at_us(wall_s))
         if anchor is None:
             return 0
-        return anchor[0] + round((self.wall_s() - anchor[1]) * 1e6)
+        return max(0, anchor[0] + round((wall_s - anchor[1]) * 1e6))

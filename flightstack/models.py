@@ -27,6 +27,7 @@ DEFAULT_MODEL = "strong/m0"
 CONFIG_FILE, WEIGHTS_FILE = "config.toml", "weights.safetensors"
 FOLDERS_VARIABLE = "FLIGHTSTACK_MODELS"
 PACKAGE = Path(__file__).parent
+PUBLISHED = (PACKAGE.parent / "models", PACKAGE / "_models")  # what comes with flightstack
 MAX_CONFIG_BYTES = 1 << 20
 MAX_SPEED_M_S = 10.0
 MAX_SIZE = 1 << 16  # of any one dimension: a product of three still fits a tensor's own count
@@ -139,7 +140,7 @@ def known_models() -> list[str]:
 def folders() -> list[Path]:
     """Where models are looked for, first to last."""
     named = os.environ.get(FOLDERS_VARIABLE)
-    return [Path(named)] if named else [PACKAGE.parent / "models", PACKAGE / "_models"]
+    return [Path(named)] if named else list(PUBLISHED)
 
 
 def read_config(path: Path) -> ModelConfig:

@@ -32,6 +32,7 @@ class Image:
     stamp_us: int
     sequence: int
     rgb: Rgb
+    age_s: float = 0.0  # when it was received, vehicle time
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -66,8 +66,11 @@ def _convert(kind: Any, value: Any, *, where: str) -> Any:
     """Check one value against a field's type; whole numbers pass for floats, lists for tuples."""
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
     if origin is types.UnionType:  # "Dagger | None": a key that is there is no None
-        kind, origin = arguments[0], typing.get_origin(arguments[0])
+        kind = arguments[0]
+        origin, arguments = typing.get_origin(kind), typing.get_args(kind)
     if is_dataclass(kind) and isinstance(kind, type):
+        if isinstance(value, kind):  # somebody else has read it
+            return value
         return record_from_table(kind, value, where=where)
     if origin is typing.Literal:
         if value not in arguments:
@@ -96,12 +99,13 @@ def _tuple(kinds: tuple[Any, ...], values: list[Any], where: str) -> tuple[Any, 
 
 
 def table_text(record: Any) -> str:
-    """Write a record as TOML: plain fields first, then one table a nested record."""
+    """Write a record as TOML: plain fields first, then one table a nested record; no None."""
     return "\n".join(_lines(record, prefix="")).lstrip("\n") + "\n"
 
 
 def _lines(record: Any, *, prefix: str) -> Iterator[str]:
     values = {field.name: getattr(record, field.name) for field in fields(record)}
+    values = {name: value for name, value in values.items() if value is not None}
     for name, value in values.items():
         if not is_dataclass(value):
             yield f"{name} = {_literal(value)}"

@@ -18,6 +18,7 @@ from flightstack.perception.config import FEATURES
 from flightstack.policy.ensemble import PolicyEnsemble
 from flightstack.records import ActionSamples
 from flightstack.training.models.recalibrate import Labelled
+from flightstack.training.recipe import Recipe
 
 MAX_DIFFERENCE = 1e-4  # m/s, rad/s
 
@@ -30,7 +31,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     torch.set_num_threads(1)
-    flown = Labelled.flown("strong", images=options.images, seed=options.seed)
+    flown = Labelled.flown(Recipe.load("strong"), images=options.images, seed=options.seed)
     largest = compare(options.model, flown.images, seed=options.seed)
     for what, difference in largest.items():
         print(f"{options.model}, {len(flown.images)} images, {what}: {difference:.1e}")

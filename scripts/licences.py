@@ -20,7 +20,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENT = ROOT / "docs" / "licences.md"
 BEGIN, END = "<!-- written by scripts/licences.py -->\n", "<!-- to here -->\n"
-BASE, TOOLS = "base", ("test", "check", "fuzz")  # extras whose packages nothing of ours imports
+BASE, TOOLS = (
+    "base",
+    ("test", "check", "fuzz", "docs"),
+)  # extras whose packages nothing of ours imports
 NAME = re.compile(r"[A-Za-z0-9._-]+")
 TOOLS_OF_THEIR_OWN = ("MAVProxy",)  # that scripts/environment installs, for the tests
 UNNAMED = {"atheris": "Apache-2.0"}  # whose metadata name none: as their LICENSE file says

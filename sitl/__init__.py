@@ -34,9 +34,10 @@ if TYPE_CHECKING:
         parse_conditions,
     )
     from sitl.records.course import CourseState, Gate
-    from sitl.records.gate import GATE_OUTER_M
+    from sitl.records.gate import GATE_OUTER_M, GateShape
     from sitl.records.images import Image
     from sitl.records.motion import Quaternion, Vector3, VehicleState
+    from sitl.records.scenery import Scenery
     from sitl.records.sensing import Estimate, Readings
     from sitl.records.vehicle import OffboardSetpoint
     from sitl.sensors.camera.camera import Camera
@@ -61,6 +62,7 @@ _MODULES = (  # where the names live, from light to heavy
     "records.gate",
     "records.images",
     "records.motion",
+    "records.scenery",
     "records.sensing",
     "records.vehicle",
     "world.track",
@@ -88,12 +90,14 @@ __all__ = [
     "Estimate",
     "EstimateErrors",
     "Gate",
+    "GateShape",
     "Image",
     "Light",
     "Look",
     "OffboardSetpoint",
     "Quaternion",
     "Readings",
+    "Scenery",
     "Simulation",
     "SimulationConfig",
     "SitlError",

@@ -5,7 +5,7 @@ movement, the sensors read, and the controller hears of it. Images are taken onl
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -96,7 +96,11 @@ class FlownVehicle(Generic[Controller]):
             altitude_m=config.home[2],
             rotor_noise_share=imu_noise_share,
         )
-        camera = Camera(standing, look_of_day(config))
+        camera = Camera(
+            standing,
+            look_of_day(config),
+            field_of_view_deg=config.conditions.scenery.field_of_view_deg,
+        )
         self._camera = feed_of_day(config, camera, failure_rng=breakage_rng)
         controller = self.controller = make_controller(airframe, self._sensors.imu)
         self.state: VehicleState = self._world.body.state(0)
@@ -186,7 +190,7 @@ class FlownVehicle(Generic[Controller]):
 def look_of_day(config: SimulationConfig) -> Look:
     """Draw what the world looks like on the day of a flight."""
     light = config.conditions.light
-    look = draw_look(chance(config, LOOK_STREAM))
+    look = draw_look(chance(config, LOOK_STREAM), config.conditions.scenery)
     if light.daylight_share < 1.0:
         look = at_dusk(look, light.daylight_share)
     return in_fog(look, light.fog_visibility_m)
@@ -218,6 +222,8 @@ def lay_out(config: SimulationConfig) -> Track:
         height_noise_m=height_noise_m,
         direction=config.direction,
     )
+    shape = config.conditions.scenery.gate
+    track = replace(track, gates=tuple(replace(gate, shape=shape) for gate in track.gates))
     inwards_m = config.conditions.course.decoy_inwards_m
     return track if inwards_m == 0.0 else with_decoys(track, inwards_m)
 

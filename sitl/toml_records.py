@@ -1,14 +1,14 @@
 """Read TOML into frozen records of numbers: every key known, every number within its limits.
 
-The fields of a record are the keys of its table: numbers, lists of a fixed length, and tables,
-which are records again. What has a default may be left out.
+The fields of a record are the keys of its table: numbers, texts, lists, and tables, which are
+records again. What has a default may be left out.
 """
 
 import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from sitl.errors import UsageError
 
@@ -61,12 +61,26 @@ def _read(hint: Any, value: Any, limits: Mapping[str, Limits], place: tuple[str,
             return read_record(hint, value, limits, f"{where}{key}.")
         return {name: _number(item, ANY, f"{where}{key}.{name}") for name, item in value.items()}
     parts = get_args(hint)
+    if hint is str or get_origin(hint) is Literal:
+        return _text(value, parts, f"{where}{key}")
+    if parts and parts[-1] is Ellipsis:
+        if not isinstance(value, list):
+            raise UsageError(f"{where}{key}: must be a list, got {value!r}")
+        return tuple(_read(parts[0], item, limits, place) for item in value)
     if not parts:
         return _number(value, limits.get(key, ANY), f"{where}{key}")
     if not isinstance(value, list) or len(value) != len(parts):
         noun = "lists" if get_args(parts[0]) else "numbers"
         raise UsageError(f"{where}{key}: must be {len(parts)} {noun}, got {value!r}")
     return tuple(_read(part, item, limits, place) for part, item in zip(parts, value, strict=True))
+
+
+def _text(value: Any, choices: tuple[Any, ...], name: str) -> str:
+    if choices and value not in choices:
+        raise UsageError(f"{name}: must be one of {', '.join(choices)}, got {value!r}")
+    if not isinstance(value, str):
+        raise UsageError(f"{name}: must be a text, got {value!r}")
+    return value
 
 
 def _number(value: Any, limits: Limits, name: str) -> float:

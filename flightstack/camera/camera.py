@@ -6,30 +6,23 @@ import threading
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Protocol
 
 import cv2
 
 from flightstack.camera.capture import OPEN_TIMEOUT_S, CaptureSource
+from flightstack.camera.lens.rectified import RectifiedSource
 from flightstack.camera.mailbox import Arrival, Mailbox
 from flightstack.camera.multipart import MultipartSource, NotMultipartError
+from flightstack.camera.settings import CameraSettings
+from flightstack.camera.source import CameraSource
 from flightstack.clock import VehicleClock
-from flightstack.errors import LinkError
+from flightstack.errors import FlightstackError, LinkError
 from flightstack.printable import printable
 
 REOPEN_S = 0.2  # wall time between attempts after a stream has broken
 JOIN_S = 2.0
+AS_IT_COMES = CameraSettings()
 MAX_REASON = 200  # characters: a server's own words may be any number
-
-
-class CameraSource(Protocol):
-    """Something that gives images, one call each."""
-
-    def read(self) -> Arrival:
-        """Wait for the next image; raises OSError when there will be none."""
-
-    def close(self) -> None:
-        """End reading, from any thread."""
 
 
 class Camera:
@@ -40,6 +33,7 @@ class Camera:
 
     def __init__(self, source: CameraSource, reopen: Callable[[], CameraSource] | None) -> None:
         self.failure: str | None = None
+        self.fault: FlightstackError | None = None  # what the user alone can mend
         self.announced_hz: float | None = None  # its rate, by somebody's word
         self._source = source
         self._reopen = reopen
@@ -75,11 +69,21 @@ class Camera:
         while not self._closing.is_set():
             try:
                 self._mailbox.put(self._source.read())
+            except FlightstackError as fault:
+                self.fault, self.failure = fault, printable(str(fault))
+                self._let_go()
+                return
             except Exception as error:  # a stranger's bytes in the hands of libraries
                 if not self._closing.is_set():
                     self.failure = self.failure or f"the camera broke off: {_reason(error)}"
                 if not self._resume():
                     return
+
+    def _let_go(self) -> None:
+        """Close a source that still has images: the read that fails then frees what it holds."""
+        self._source.close()
+        with contextlib.suppress(Exception):
+            self._source.read()
 
     def _resume(self) -> bool:
         self._source.close()
@@ -97,22 +101,40 @@ class Camera:
 
 
 def open_camera(
-    uri: str, clock: VehicleClock, *, trusted: bool = True, timeout_s: float = OPEN_TIMEOUT_S
+    uri: str,
+    clock: VehicleClock,
+    *,
+    trusted: bool = True,
+    timeout_s: float = OPEN_TIMEOUT_S,
+    settings: CameraSettings = AS_IT_COMES,
 ) -> Camera:
     """Open a camera within `timeout_s`; raises LinkError where nothing can be read from it.
 
     Of an address that is not the user's own word (`trusted`), streams alone are read: no files, no
     playlists, nothing that could lead elsewhere.
     """
+    seen_by = partial(_rectified, settings)
     try:
         if uri.startswith(("http://", "https://")):
-            open_stream = partial(MultipartSource, uri, clock, timeout_s=timeout_s)
+            open_stream = seen_by(partial(MultipartSource, uri, clock, timeout_s=timeout_s))
             with contextlib.suppress(*(NotMultipartError,) if trusted else ()):
                 return Camera(open_stream(), open_stream)
-        open_capture = partial(CaptureSource, uri, clock, trusted=trusted, timeout_s=timeout_s)
+        open_capture = seen_by(
+            partial(CaptureSource, uri, clock, trusted=trusted, timeout_s=timeout_s)
+        )
         return Camera(open_capture(), None if Path(uri).is_file() else open_capture)
     except (OSError, ValueError, http.client.HTTPException, cv2.error) as error:
         raise LinkError(f"camera {uri} cannot be reached: {_reason(error)}") from error
+
+
+def _rectified(
+    settings: CameraSettings, open_source: Callable[[], CameraSource]
+) -> Callable[[], CameraSource]:
+    """Have the images of a source undistorted where its lens is known."""
+    if settings.view is None:
+        return open_source
+    view = settings.view
+    return lambda: RectifiedSource(open_source(), view)
 
 
 def _reason(error: Exception) -> str:

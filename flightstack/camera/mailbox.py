@@ -14,6 +14,7 @@ class Arrival:
     image: Image
     received_s: float
     stamped: bool = True  # by the camera in vehicle time; else by us, on arrival
+    taken_s: float | None = None  # when the sensor took it, like received_s; None: not known
     odd_stamp: str = ""  # what it said instead of a time that a vehicle can have
 
 

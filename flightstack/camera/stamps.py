@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from flightstack.camera.mailbox import Arrival
 from flightstack.clock import REBOOT_US, VehicleClock
+from flightstack.records import Image
 
 MAX_AHEAD_US = 2_000_000  # of all that has been told: in lockstep an image is one period ahead
 MAX_BEHIND_US = REBOOT_US
@@ -16,12 +17,18 @@ RECENT_US = 500_000
 
 
 class StampCheck:
-    """Compare each image's stamp with the vehicle's clock; for the thread that observes it."""
+    """Compare each image's stamp with the vehicle's clock; for the thread that observes it.
 
-    def __init__(self, clock: VehicleClock) -> None:
+    `latency_s` is what passes between exposure and the moment by which an image without a stamp is
+    dated: when the sensor says that it took it, else when it was received.
+    """
+
+    def __init__(self, clock: VehicleClock, latency_s: float = 0.0) -> None:
         self.complaint = ""  # what was wrong with the newest image's stamp
         self._announced_us: int | None = None  # the newest that has stood in for a stamp
+        self._dated_us = 0  # the newest that was dated by us
         self._clock = clock
+        self._latency_s = latency_s
 
     def admit(self, arrival: Arrival, announced_us: int | None = None) -> Arrival:
         """Return the image as it is, or with a better time in place of its stamp.
@@ -31,14 +38,34 @@ class StampCheck:
         self.complaint = arrival.odd_stamp and "no time of this vehicle"
         if arrival.stamped:
             self.complaint = self._odds(arrival.image.stamp_us)
-        if not self.complaint:
-            return arrival
-        if announced_us is not None and self._is_new(announced_us):
+            if not self.complaint:
+                return arrival
+        if self.complaint and announced_us is not None and self._is_new(announced_us):
             self._announced_us = announced_us
             return self._dated(arrival, announced_us, stamped=True)
-        since_us = round((self._clock.wall_s() - arrival.received_s) * 1e6)
-        stamp_us = max(0, self._clock.now_us() - max(0, since_us))
-        return self._dated(arrival, stamp_us, stamped=False)
+        return self._dated(arrival, self._taken_us(arrival), stamped=False)
+
+    def aged(self, arrival: Arrival) -> Image:
+        """Return an admitted image with its age, once its stamp has been observed.
+
+        Where the vehicle has not said how its clock runs, a stamped image is as old as telemetry
+        proves: in lockstep, where time waits for the image, it is not old at all.
+        """
+        stamp_us = arrival.image.stamp_us
+        measured = self._clock.synchronised or not arrival.stamped
+        now_us = self._clock.at_us(arrival.received_s) if measured else self._clock.stamp_us
+        if now_us <= stamp_us:
+            return arrival.image
+        return replace(arrival.image, age_s=(now_us - stamp_us) / 1e6)
+
+    def _taken_us(self, arrival: Arrival) -> int:
+        """Say when an image was exposed; never before the one that came before it."""
+        known_s = arrival.received_s if arrival.taken_s is None else arrival.taken_s
+        taken_us = self._clock.at_us(known_s - self._latency_s)
+        if self._dated_us - REBOOT_US < taken_us <= self._dated_us:  # our clock was put right
+            taken_us = self._dated_us + 1
+        self._dated_us = taken_us
+        return taken_us
 
     @staticmethod
     def _dated(arrival: Arrival, stamp_us: int, *, stamped: bool) -> Arrival:

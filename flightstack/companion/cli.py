@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flightstack.arguments.parser import OptionParser
+from flightstack.companion.options.camera_options import add_camera_options, camera_settings
 from flightstack.errors import FlightstackError, UsageError
 from flightstack.printable import printable
 
@@ -43,8 +44,6 @@ def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--udp", metavar="PORT", help="listen on this UDP port (default 14540)")
     where.add_argument("--connect", metavar="STRING", help="connection string, see below")
-    add("--camera", metavar="URI", help="stream, device or file (default: what the vehicle names)")
-    add("--camera-host", metavar="HOST", help="where a named camera may be, beside the vehicle's")
     add("--model", help=f"which model flies (default {DEFAULT_MODEL})")
     add("--strategy", help="how it decides (default: the model's); yours as my_package:MyStrategy")
     add("--perception", metavar="NAME", help="your own instead of the model's")
@@ -63,6 +62,7 @@ def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
     add("--signing-key", type=Path, metavar="FILE", help="sign, and heed only what is signed")
     add("--record-frames", action="store_true", help="keep each frame as PNG, in LOG.frames")
     add("--json", action="store_true", help="last line of output: the result as JSON")
+    add_camera_options(parser)
     _add_limits(parser)
     loudness = parser.add_mutually_exclusive_group()
     loudness.add_argument("-v", "--verbose", action="store_true", help="tell more")
@@ -156,6 +156,7 @@ def _plan(arguments: argparse.Namespace) -> "FlightPlan":
         record_images=arguments.record_frames,
         camera=arguments.camera,
         camera_host=arguments.camera_host,
+        camera_settings=camera_settings(arguments),
         takeoff_altitude_m=arguments.takeoff_altitude,
         duration_s=arguments.duration,
         gate_timeout_s=arguments.gate_timeout,

@@ -8,7 +8,8 @@ from collections.abc import Callable
 
 from pymavlink.dialects.v20 import common
 
-from flightstack.camera.camera import Camera, open_camera
+from flightstack.camera.camera import AS_IT_COMES, Camera, open_camera
+from flightstack.camera.settings import CameraSettings
 from flightstack.companion.imaging import ImageQueue
 from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.companion.waiting import wait_for_any
@@ -52,7 +53,12 @@ def find_camera(vehicle: VehicleSession, timeout_s: float) -> str:
 
 
 def wait_for_camera(
-    vehicle: VehicleSession, uri: str, timeout_s: float, *, trusted: bool = True
+    vehicle: VehicleSession,
+    uri: str,
+    timeout_s: float,
+    *,
+    trusted: bool = True,
+    settings: CameraSettings = AS_IT_COMES,
 ) -> Camera:
     """Open a camera, which may start later than we; raises LinkError after `timeout_s`.
 
@@ -63,7 +69,7 @@ def wait_for_camera(
     while True:
         try:
             left_s = min(OPEN_S, max(SHORTEST_S, deadline_s - clock.wall_s()))
-            return open_camera(uri, clock, trusted=trusted, timeout_s=left_s)
+            return open_camera(uri, clock, trusted=trusted, timeout_s=left_s, settings=settings)
         except LinkError:
             if clock.wall_s() >= deadline_s:
                 raise
@@ -73,9 +79,11 @@ def wait_for_camera(
 def wait_for_image(
     vehicle: VehicleSession, camera: ImageQueue, timeout_s: float, *, name: str
 ) -> None:
-    """Return once an image lies ready; raises LinkError after `timeout_s`."""
+    """Return once an image lies ready; raises LinkError or what the camera is at fault for."""
 
     def is_ready() -> bool:
+        if camera.fault is not None:
+            raise camera.fault
         return wait_for_any(0, camera)
 
     if not _receive_until(vehicle, is_ready, timeout_s, camera):

@@ -7,7 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from flightstack.camera.address import check_address
+from flightstack.camera.camera import AS_IT_COMES, Camera
 from flightstack.camera.recorder import ImageRecorder
+from flightstack.camera.settings import CameraSettings
 from flightstack.clock import VehicleClock
 from flightstack.companion.console import Console
 from flightstack.companion.discovery import (
@@ -37,6 +39,7 @@ from flightstack.mavlink.transport import open_transport
 PILOT_BEATS_S = 2.5  # wall time: whoever steers beats once a second
 DEFAULT_HZ = 20.0  # of a camera that does not say
 PACE_S = 0.5  # wall time: long enough to see a clock run
+WIDE_ENOUGH = 0.98  # of the networks' view
 TOO_SLOW = 10.0  # times the time between two images
 CAMERA_OPENS_S = 5.0  # wall time: it may start when the vehicle does
 
@@ -50,6 +53,7 @@ class FlightPlan:
     record_images: bool = False  # beside the log
     camera: str | None = None  # None: the one that the vehicle names
     camera_host: str | None = None  # where that may be, beside the vehicle's own host
+    camera_settings: CameraSettings = AS_IT_COMES
     takeoff_altitude_m: float = 3.0  # above home
     duration_s: float | None = None  # in OFFBOARD, vehicle time
     gate_timeout_s: float | None = None  # without passing a gate, vehicle time
@@ -84,12 +88,10 @@ def fly(
         stack.callback(pilot.close)
         transport.forget_backlog()
         uri = _find(vehicle, plan, console)
-        camera = wait_for_camera(
-            vehicle, uri, min(plan.timeout_s, CAMERA_OPENS_S), trusted=plan.camera is not None
-        )
+        camera = _open_camera(vehicle, uri, plan)
         stack.callback(camera.close)
-        camera.announced_hz = vehicle.stream_hz if plan.camera is None else None
         reporter.watch(camera)
+        _tell_view(plan, console)
         wait_for_image(vehicle, camera, plan.timeout_s, name=uri)
         _check_speed(pilot, vehicle, console)
         loop = FlightLoop(
@@ -101,6 +103,7 @@ def fly(
             speed_scale=plan.speed_scale,
             limits=plan.limits,
             recorder=recorder,
+            camera_latency_s=plan.camera_settings.latency_s,
         )
         return _run(loop, vehicle, plan)
 
@@ -157,6 +160,28 @@ def _vehicle_host(vehicle: VehicleSession, endpoint: Endpoint) -> str | None:
     if found is not None and found.address is not None:
         return found.address[0]
     return endpoint.host if endpoint.kind is Kind.TCP else None
+
+
+def _open_camera(vehicle: VehicleSession, uri: str, plan: FlightPlan) -> Camera:
+    camera = wait_for_camera(
+        vehicle,
+        uri,
+        min(plan.timeout_s, CAMERA_OPENS_S),
+        trusted=plan.camera is not None,
+        settings=plan.camera_settings,
+    )
+    camera.announced_hz = vehicle.stream_hz if plan.camera is None else None
+    return camera
+
+
+def _tell_view(plan: FlightPlan, console: Console) -> None:
+    """Warn where the lens is narrower than what the networks look at."""
+    view = plan.camera_settings.view
+    if view is not None and view.covered_share < WIDE_ENOUGH:
+        console.warning(
+            f"the lens shows {100 * view.covered_share:.0f} % of the 90 x 90 degrees that the "
+            "networks look at: the rest is black"
+        )
 
 
 def _check_speed(pilot: GuardedPilot, vehicle: VehicleSession, console: Console) -> None:

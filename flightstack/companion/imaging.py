@@ -3,6 +3,7 @@
 from typing import Protocol
 
 from flightstack.camera.mailbox import Arrival
+from flightstack.errors import FlightstackError
 from flightstack.records import Image
 
 
@@ -10,6 +11,7 @@ class ImageQueue(Protocol):
     """Where images come from, ready for a selector."""
 
     announced_hz: float | None  # how many a second it says that it gives
+    fault: FlightstackError | None  # why none will come, where the user alone can mend it
 
     def fileno(self) -> int:
         """Return what a selector waits on."""

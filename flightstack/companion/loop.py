@@ -65,6 +65,7 @@ class FlightLoop:
         speed_scale: float = 1.0,
         limits: FlightLimits | None = None,
         recorder: Recorder | None = None,
+        camera_latency_s: float = 0.0,
     ) -> None:
         self.status = MissionStatus() if mission is None else mission
         self.stop = StopSwitch()
@@ -85,7 +86,7 @@ class FlightLoop:
         self._reporter = reporter
         self._recorder = recorder
         self._one_pilot = OnePilot()
-        self._stamps = StampCheck(self._clock)
+        self._stamps = StampCheck(self._clock, camera_latency_s)
         self._images = ImageWatch(camera.announced_hz)
         self._answered_us: int | None = None  # the newest image that was
         self._image_us = self._ticked_us = self._clock.stamp_us
@@ -161,14 +162,17 @@ class FlightLoop:
             self._reporter.warn_once(
                 f"the camera's stamps are {self._stamps.complaint}: the time of arrival counts"
             )
-        image = arrival.image
+        stamp_us = arrival.image.stamp_us
         if arrival.stamped:
-            if self._is_old(image.stamp_us):
+            if self._is_old(stamp_us):
                 self._vehicle.repeat_setpoint()
                 return
-            self._await_trigger(image.stamp_us)
-            self._clock.observe(image.stamp_us)
-            self._answered_us = image.stamp_us
+            self._await_trigger(stamp_us)
+            self._clock.observe(stamp_us)
+            self._answered_us = stamp_us
+        else:
+            self._vehicle.timesync.begin()
+        image = self._stamps.aged(arrival)
         self._look(image)
         self._image_us, self._image_s = image.stamp_us, self._clock.wall_s()
         self.images += 1

@@ -11,9 +11,10 @@ from flightstack.mavlink.link import Link, Message
 from flightstack.mavlink.motion import MotionHistory
 from flightstack.mavlink.offboard import Velocities, velocity_setpoint
 from flightstack.mavlink.telemetry import StatusText, Telemetry, TelemetryReceiver
+from flightstack.mavlink.timesync import Timesync
 from flightstack.mavlink.uncertainty import UncertaintyPublisher
 from flightstack.px4_modes import Px4Mode
-from flightstack.records import Decision
+from flightstack.records import Decision, Image
 
 TEXT_BYTES = 50  # of one STATUSTEXT
 COURSE_ITEMS = (
@@ -30,6 +31,7 @@ class VehicleSession:
     ) -> None:
         self.link = link
         self.setpoints = 0  # sent so far
+        self.timesync = Timesync(link)
         self._takeoff_altitude_m = takeoff_altitude_m
         self._receiver = TelemetryReceiver(link.clock)
         self._commands = CommandSender(link)
@@ -68,10 +70,13 @@ class VehicleSession:
         messages = self.link.drain()
         if self.link.restarts != self._restarts:
             self._receiver.begin_anew()
+            self.timesync.begin_anew()
         for message in messages:
             number = message.get_msgId()
             if number in COURSE_ITEMS:
                 self._download.take(message)
+            elif number == common.MAVLINK_MSG_ID_TIMESYNC:
+                self.timesync.take(message)
             elif number != common.MAVLINK_MSG_ID_COMMAND_ACK:
                 self._receiver.update(message)
             elif refusal := self._commands.acknowledge(message):
@@ -106,18 +111,20 @@ class VehicleSession:
         self.request(MissionRequest.LAND, self.link.clock.stamp_us)
 
     def keep_up(self, now_us: int) -> None:
-        """Send what is due: our heartbeat, and commands that were not acknowledged."""
+        """Send what is due: heartbeat, commands not acknowledged, questions for the time."""
         self._heartbeat.send_if_due(now_us)
         self._refusals += self._commands.poll(now_us)
+        if self.timesync.wanted:
+            self.timesync.poll()
 
     def download_course(self, now_us: int) -> None:
         """Have the gates listed for the log, where there is a referee."""
         if self.telemetry.course.known:
             self._download.poll(now_us)
 
-    def explain(self, decision: Decision, stamp_us: int) -> None:
-        """Have the next setpoint leave with how sure its decision is."""
-        self._uncertainty.publish(decision, stamp_us)
+    def explain(self, decision: Decision, image: Image) -> None:
+        """Have the next setpoint leave with how sure its decision is, and on how old an image."""
+        self._uncertainty.publish(decision, image.stamp_us, image.age_s)
 
     def steer(self, velocities: Velocities, stamp_us: int) -> None:
         """Send the setpoint that answers the image of this stamp."""

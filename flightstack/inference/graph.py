@@ -17,6 +17,7 @@ import onnxruntime
 from numpy.typing import NDArray
 
 from flightstack.errors import ModelError
+from flightstack.inference.contents import complaint
 
 MAX_BYTES = 1 << 28
 FATAL = 4  # of ONNX Runtime's levels of severity: what it has to say comes as an exception
@@ -43,6 +44,9 @@ class Graph:
         content = _read(path)
         if hashlib.sha256(content).hexdigest() != sha256:
             raise ModelError(f"{path} is damaged: its hash is not what config.toml records")
+        wrong = complaint(content)
+        if wrong is not None:
+            raise ModelError(f"{path} is refused: {wrong}")
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = options.inter_op_num_threads = 1
         options.log_severity_level = FATAL

@@ -132,6 +132,7 @@ class Link:
         self._boot_us = 0  # its newest stamp
         self._protocol = common.MAVLink(None, srcSystem=1, srcComponent=COMPANION_COMPONENT)
         self._newest: dict[int, bytes] = {}
+        self._wanted = WANTED
 
     @property
     def system_id(self) -> int:
@@ -174,6 +175,11 @@ class Link:
             for packet in packets:
                 self.tlog.append(self.clock.elapsed_us, packet)
 
+    def heed(self, number: int) -> None:
+        """Decode a further message of the autopilot's from now on."""
+        wanted = self._wanted[AUTOPILOT_COMPONENT] | {number}
+        self._wanted = {**self._wanted, AUTOPILOT_COMPONENT: wanted}
+
     def close(self) -> None:
         """Write the log out and let go of the transport."""
         self.tlog.close()
@@ -210,7 +216,7 @@ class Link:
         self.tlog.append(self.clock.elapsed_us, packet)
         if number == common.MAVLINK_MSG_ID_HEARTBEAT and component not in WANTED:
             self._note_other(packet, component)
-        if number in WANTED.get(component, NOTHING):
+        if number in self._wanted.get(component, NOTHING):
             if number in COALESCED:
                 self._newest[number] = packet
             else:

@@ -1,7 +1,8 @@
 """Send what is known about each decision, so that it stands in every log beside its setpoint.
 
 DEBUG_FLOAT_ARRAY "decision" carries all of it, four floats each, in the order of VELOCITIES:
-aleatoric, epistemic and perceptual standard deviation, score, member, number of modes, command.
+aleatoric, epistemic and perceptual standard deviation, score, member, number of modes, command;
+then the age of the image that it answers, when that was received.
 NAMED_VALUE_FLOAT carries for plotting the length of each standard deviation over vx, vy, vz (m/s).
 On request DEBUG_FLOAT_ARRAY "members" carries what each policy member predicts, four floats each.
 """
@@ -33,9 +34,9 @@ class UncertaintyPublisher:
         self._with_members = with_members
         self._named_us: int | None = None
 
-    def publish(self, decision: Decision, stamp_us: int) -> None:
+    def publish(self, decision: Decision, stamp_us: int, image_age_s: float = 0.0) -> None:
         """Send a decision's uncertainties, and at 5 Hz the three lengths."""
-        self._send(_decision_array(decision, stamp_us))
+        self._send(_decision_array(decision, stamp_us, image_age_s))
         if self._with_members:
             self._send(_members_array(decision, stamp_us))
         if self._named_us is not None and 0 <= stamp_us - self._named_us < NAMED_PERIOD_US:
@@ -62,7 +63,7 @@ def total_std_m_s(decision: Decision) -> float:
     return math.hypot(*map(linear_length, kinds))
 
 
-def _decision_array(decision: Decision, stamp_us: int) -> Message:
+def _decision_array(decision: Decision, stamp_us: int, image_age_s: float) -> Message:
     rows = (
         decision.aleatoric_std,
         decision.epistemic_std,
@@ -71,6 +72,7 @@ def _decision_array(decision: Decision, stamp_us: int) -> Message:
         decision.member,
         decision.modes,
         decision.command,
+        (image_age_s,),
     )
     return _array(np.concatenate(rows), stamp_us, DECISION_NAME, DECISION_ID)
 

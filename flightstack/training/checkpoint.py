@@ -80,8 +80,9 @@ class Checkpoint:
 
 
 def identity_of(settings: Any, *, data_sha256: str) -> dict[str, Any]:
-    """Name everything that a training's result depends on."""
-    return {**asdict(settings), "data": data_sha256}
+    """Name everything that a training's result depends on, which its being judged is not."""
+    named = {name: value for name, value in asdict(settings).items() if name != "must_learn"}
+    return {**named, "data": data_sha256}
 
 
 def _changed(before: dict[str, Any], after: dict[str, Any]) -> str:

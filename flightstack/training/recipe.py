@@ -1,14 +1,26 @@
-"""Recipes of training data: TOML files that explain their choices, read into checked records."""
+"""Recipes: TOML files that say what is trained on what, and explain their choices.
+
+A recipe of this package goes by its name, one of yours by its path. Yours may begin with
+`base = "strong"`: then it says only what is different.
+"""
 
 import math
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, field, replace
 from importlib.resources import files
-from typing import Literal, Self
+from pathlib import Path
+from typing import Any, Literal, Self
 
 import numpy as np
 
 from flightstack.errors import UsageError
-from flightstack.tables import read_toml, record_from_table
+from flightstack.tables import read_toml, record_from_table, table_text
+from flightstack.training.hyperparameters import NO_WISHES, Training
+from flightstack.training.scene_recipe import SceneRecipe, packaged_scenes
+from sitl import Scenery, SitlError, parse_conditions
+
+RECIPE_FILE = "recipe.toml"  # in the folder of a model
+FOLDER_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,6 +45,7 @@ class Fog:
         return math.exp(float(rng.uniform(*np.log(self.visibility_m))))
 
 
+PLAIN = Scenery()
 NO_FOG = Fog(share=0.0, visibility_m=(1.0, 1.0))
 
 
@@ -56,6 +69,17 @@ class ViewRecipe:
     noise_share: float
     noise_std: float  # of 255
     fog: Fog = NO_FOG
+    scenery: Scenery = PLAIN
+
+    def __post_init__(self) -> None:
+        """Check what the type alone does not."""
+        seen_deg = self.scenery.field_of_view_deg / 2.0
+        for name in ("azimuth", "elevation"):
+            if (drawn_deg := math.degrees(getattr(self, f"{name}_rad"))) >= seen_deg:
+                raise ValueError(
+                    f"{name}_deg, {drawn_deg:g}, must be below {seen_deg:g}, half of the scenery's "
+                    "field of view: a gate outside of the image cannot be labelled"
+                )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,6 +100,7 @@ class FlightRecipe:
     lost_frames: int  # dropped before a collision or a miss
     held_out_radius_noise_m: tuple[float, float] = (0.0, 0.0)  # never drawn, from low to high
     fog: Fog = NO_FOG
+    scenery: Scenery = PLAIN
 
     def __post_init__(self) -> None:
         """Check what the type alone does not."""
@@ -105,36 +130,125 @@ class Dagger:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Recipe:
-    """How to make the data."""
+    """How to make the data, and how to train on them."""
 
-    name: str
+    name: str  # of the folders of its data, runs and models
     views: ViewRecipe
     flights: FlightRecipe
     dagger: Dagger | None = None
+    training: Training = NO_WISHES
+    scenes: SceneRecipe = field(default_factory=lambda: SceneRecipe.read(packaged_scenes()))
 
     @classmethod
     def load(cls, name: str) -> Self:
-        """Read `recipes/<name>.toml`.
+        """Read a recipe of this package, or the file that a name ending in `.toml` is.
 
         Raises:
             UsageError: the recipe is unknown, or a key of it is missing, unknown or ill typed.
 
         """
-        folder = files("flightstack.training") / "recipes"
-        file = folder / f"{name}.toml"
-        if not file.is_file():
-            known = ", ".join(sorted(f.name.removesuffix(".toml") for f in folder.iterdir()))
-            raise UsageError(f"recipe '{name}': unknown; known are: {known}")
-        return cls.parse(name, file.read_text())
+        path = Path(name)
+        if path.suffix != ".toml":
+            return cls.parse(name, _packaged(name))
+        try:
+            text = path.read_text()
+        except (OSError, UnicodeDecodeError) as error:
+            raise UsageError(f"recipe {path}: can't be read: {error}") from error
+        return cls.parse(path.stem, text, folder=path.parent)
 
     @classmethod
-    def parse(cls, name: str, text: str) -> Self:
-        """Build a recipe from TOML text; its [fog] lies over views and flights alike."""
+    def beside(cls, model: Path, name: str) -> Self:
+        """Read the recipe in a model's folder; without one it is of this package, by its name."""
+        own = model / RECIPE_FILE
+        return cls.load(str(own) if own.is_file() else name)
+
+    @classmethod
+    def parse(cls, name: str, text: str, folder: Path = Path()) -> Self:
+        """Build a recipe from TOML text; pictures are found from `folder`.
+
+        Its [fog] lies over views and flights alike, its [scenery] under scenes as well. Raises
+        UsageError.
+        """
+        where = f"recipe {name}"
         try:
-            table = read_toml(text, where=f"recipe {name}")
+            table = _with_base(read_toml(text, where=where), where)
+            name = _folder_name(table.pop("name", name))
             if "fog" in table:
                 fog = {"fog": table.pop("fog")}
                 table |= {kind: fog | table[kind] for kind in ("views", "flights") if kind in table}
-            return record_from_table(cls, table, where=f"recipe {name}", given={"name": name})
+            _set_scenery(table, where, folder)
+            return record_from_table(cls, table, where=where, given={"name": name})
         except ValueError as error:
             raise UsageError(str(error)) from error
+
+    def text(self) -> str:
+        """Write it as TOML, with all that its base said, so that it can be read anywhere."""
+        return table_text(self)
+
+
+def _packaged(name: str) -> str:
+    """Return the text of a recipe of this package; raises UsageError."""
+    folder = files("flightstack.training") / "recipes"
+    file = folder / f"{name}.toml"
+    if not file.is_file():
+        known = ", ".join(sorted(f.name.removesuffix(".toml") for f in folder.iterdir()))
+        raise UsageError(
+            f"recipe '{name}': unknown; known are: {known}; one of yours is named by its file, "
+            "which ends in .toml"
+        )
+    return file.read_text()
+
+
+def _with_base(table: dict[str, Any], where: str) -> dict[str, Any]:
+    """Lay a table over the recipe that it names as its base, if it does."""
+    base = table.pop("base", None)
+    if base is None:
+        return table
+    if not isinstance(base, str):
+        raise ValueError(f"{where}: base: expected the name of a recipe, got {base!r}")  # noqa: TRY004
+    return _over(read_toml(_packaged(base), where=base), table)
+
+
+def _set_scenery(table: dict[str, Any], where: str, folder: Path) -> None:
+    """Give views, flights and scenes the scenery that they, or the recipe as a whole, ask for."""
+    if isinstance(table.get("scenes"), dict) or "scenery" in table:
+        table["scenes"] = packaged_scenes() | table.get("scenes", {})
+    common = table.pop("scenery", None)
+    for kind in ("views", "flights", "scenes"):
+        part = table.get(kind)
+        if isinstance(part, dict) and (asked := part.get("scenery", common)) is not None:
+            table[kind] = part | {"scenery": _read_scenery(asked, where, folder)}
+
+
+def _read_scenery(table: object, where: str, folder: Path) -> Scenery:
+    """Read a scenery as the vehicle does; raises ValueError."""
+    try:
+        scenery = parse_conditions({"scenery": table}, where).scenery
+    except SitlError as error:
+        raise ValueError(str(error)) from error
+    return replace(
+        scenery,
+        gate_pictures=tuple(str((folder / path).resolve()) for path in scenery.gate_pictures),
+        ground_pictures=tuple(str((folder / path).resolve()) for path in scenery.ground_pictures),
+    )
+
+
+def _over(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+    merged = dict(below)
+    for key, value in above.items():
+        old = merged.get(key)
+        if isinstance(old, dict) and isinstance(value, dict):
+            merged[key] = _over(old, value)
+        else:
+            merged[key] = value
+    return merged
+
+
+def _folder_name(name: object) -> str:
+    """Return the name of a recipe, which names folders; raises ValueError."""
+    if not isinstance(name, str) or not FOLDER_NAME.fullmatch(name):
+        raise ValueError(
+            f"recipe name {name!r}: a name of letters, digits, '-', '_' and '.', since folders "
+            "are called so"
+        )
+    return name

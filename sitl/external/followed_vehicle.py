@@ -39,7 +39,11 @@ class FollowedVehicle:
         self._world = World(standing, load_airframe(config.airframe), tick_s=TICK_S, gui=config.gui)
         first = config.first_gate
         self.course_gates = track.gates[first:] + track.gates[:first]
-        self._view = Camera(standing, look_of_day(config))
+        self._view = Camera(
+            standing,
+            look_of_day(config),
+            field_of_view_deg=config.conditions.scenery.field_of_view_deg,
+        )
         self._served = 0  # which of the vehicles
         self._events: list[CourseEvent] = []
         self._referee, self._camera = self._begin()

@@ -34,7 +34,7 @@ def assemble(
         simulation,
         links,
         system=options.system,
-        camera=describe_camera(stream.uri),
+        camera=describe_camera(stream.uri, options),
         unix_epoch_us=unix_epoch_us,
         guard=guard,
         storage=stack.enter_context(

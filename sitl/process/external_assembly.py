@@ -38,7 +38,7 @@ def assemble_external(
         vehicle,
         poses,
         system=options.system,
-        camera=describe_camera(stream.uri),
+        camera=describe_camera(stream.uri, options),
         guard=guard,
         relay=relay,
     )

@@ -44,7 +44,7 @@ def assemble_px4(
         vehicle,
         connection,
         system=options.system,
-        camera=describe_camera(stream.uri),
+        camera=describe_camera(stream.uri, options),
         guard=guard,
         relay=relay,
     )

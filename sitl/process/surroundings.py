@@ -13,7 +13,7 @@ from sitl.mavlink.wire.tlog import TlogWriter
 from sitl.process.options.command_line import Options
 from sitl.process.server import Server
 from sitl.process.streams.video import VideoSender
-from sitl.sensors.camera.camera import FIELD_OF_VIEW_DEG, SIZE_PX
+from sitl.sensors.camera.camera import SIZE_PX
 from sitl.sensors.camera.feed import CAMERA_RATE_HZ
 
 
@@ -35,13 +35,13 @@ def make_config(options: Options) -> SimulationConfig:
     )
 
 
-def describe_camera(stream_uri: str) -> CameraFacts:
+def describe_camera(stream_uri: str, options: Options) -> CameraFacts:
     """Say what the camera tells about itself."""
     return CameraFacts(
         stream_uri=stream_uri,
         width_px=SIZE_PX,
         height_px=SIZE_PX,
-        field_of_view_deg=round(FIELD_OF_VIEW_DEG),
+        field_of_view_deg=round(options.conditions.scenery.field_of_view_deg),
         rate_hz=float(CAMERA_RATE_HZ),
     )
 

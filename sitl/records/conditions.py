@@ -1,4 +1,4 @@
-"""The conditions of a flight that is not a fine day's: wind, light, camera, course and estimate.
+"""The conditions of a flight that is not a fine day's: wind, light, camera, course and so on.
 
 A TOML file has a table for each; what it leaves out stays as it is on a fine day, where everything
 is off and a flight is the very same as without a file. The record is the reference of the keys.
@@ -12,6 +12,7 @@ from typing import Any
 
 from sitl.errors import UsageError
 from sitl.records.motion import Vector3
+from sitl.records.scenery import PLAIN, Scenery
 from sitl.toml_records import Limits, parse_toml, read_record
 
 CALM: Vector3 = (0.0, 0.0, 0.0)
@@ -29,6 +30,10 @@ LIMITS: Mapping[str, Limits] = {
     "frozen_frame_share": (0.0, 1.0),
     "decoy_inwards_m": (-6.0, 6.0),
     "rotor_noise_share": (0.0, 1.0),
+    "inner_m": (0.4, 4.0),
+    "outer_m": (0.4, 5.0),
+    "depth_m": (0.01, 1.0),
+    "field_of_view_deg": (30.0, 140.0),
 }
 
 
@@ -82,6 +87,7 @@ class Conditions:
     camera: CameraFaults = CameraFaults()
     course: CourseDecoys = CourseDecoys()
     estimate: EstimateErrors = EstimateErrors()
+    scenery: Scenery = PLAIN
 
     def __post_init__(self) -> None:
         """Check what the ranges alone do not; raises UsageError."""
@@ -109,11 +115,19 @@ def read_conditions(file: Path | None, changes: Sequence[str] = ()) -> Condition
         parse_conditions(table, f"--conditions {file}")
     for change in changes:
         where = f"--condition {change}"
-        for name, part in parse_toml(change, where).items():
-            known = table.get(name, {})
-            table[name] = known | part if isinstance(part, dict) else part
+        table = _changed(table, parse_toml(change, where))
         parse_conditions(table, where)
     return parse_conditions(table, "--conditions")
+
+
+def _changed(table: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
+    """Lay a change over a table, and its tables over the table's."""
+    changed = dict(table)
+    for key, value in change.items():
+        known = changed.get(key)
+        both = isinstance(known, dict) and isinstance(value, dict)
+        changed[key] = _changed(known, value) if both else value  # type: ignore[arg-type]
+    return changed
 
 
 def parse_conditions(table: Mapping[str, Any], where: str) -> Conditions:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal
 
+from sitl.records.gate import STANDARD_SHAPE, GateShape
 from sitl.records.motion import Vector3
 
 Direction = Literal["cw", "ccw"]  # seen from above
@@ -11,11 +12,12 @@ Direction = Literal["cw", "ccw"]  # seen from above
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gate:
-    """One gate of a course: a square opening that is passed along its axis."""
+    """One gate of a course: an opening that is passed along its axis."""
 
     index: int
     centre_ned: Vector3  # m
     yaw_rad: float  # heading of the axis along which the gate is to be passed, NED
+    shape: GateShape = STANDARD_SHAPE
 
 
 class CourseState(StrEnum):

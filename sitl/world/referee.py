@@ -11,7 +11,6 @@ misses it; touching a gate is a collision. A miss or a collision fails the cours
 import math
 
 from sitl.records.course import CourseEvent, CourseEventKind, CourseState, CourseStatus, Gate
-from sitl.records.gate import GATE_INNER_M
 from sitl.records.motion import Vector3
 
 NEARBY_M = (
@@ -46,7 +45,7 @@ class Referee:
         if crossing is None:
             return []
         right, down, forwards = crossing
-        if max(abs(right), abs(down)) >= GATE_INNER_M / 2.0:
+        if not gate.shape.is_open_at(right, down):
             where = f"{abs(right):.1f} m {'right' if right > 0 else 'left'}, {abs(down):.1f} m " + (
                 "low" if down > 0 else "high"
             )

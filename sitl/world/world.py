@@ -6,7 +6,6 @@ import pybullet
 
 from sitl.frames import GRAVITY_M_S2, flip, to_bullet_quaternion
 from sitl.records.course import Gate
-from sitl.records.gate import BAR_CENTRES, BAR_HALF_EXTENTS
 from sitl.records.motion import MotorThrusts, Quaternion, Vector3, VehicleState
 from sitl.world.airframe import Airframe
 from sitl.world.body import QuadrotorBody
@@ -63,20 +62,23 @@ class World:
         pybullet.createMultiBody(baseCollisionShapeIndex=shape, physicsClientId=self._client)
 
     def _add_gate(self, gate: Gate, *, visible: bool) -> int:
+        bars = gate.shape.bars()
         geometry = {
-            "shapeTypes": [pybullet.GEOM_BOX] * len(BAR_CENTRES),
-            "halfExtents": BAR_HALF_EXTENTS,
+            "shapeTypes": [pybullet.GEOM_BOX] * len(bars),
+            "halfExtents": [bar.half_extents for bar in bars],
             "physicsClientId": self._client,
         }
-        centres = [flip(centre) for centre in BAR_CENTRES]
+        centres = [flip(bar.centre) for bar in bars]
+        turns = [to_bullet_quaternion(bar.q) for bar in bars]
         half = gate.yaw_rad / 2.0
         body: int = pybullet.createMultiBody(
             baseCollisionShapeIndex=pybullet.createCollisionShapeArray(
-                collisionFramePositions=centres, **geometry
+                collisionFramePositions=centres, collisionFrameOrientations=turns, **geometry
             ),
             baseVisualShapeIndex=pybullet.createVisualShapeArray(
                 visualFramePositions=centres,
-                rgbaColors=[GUI_GATE_COLOUR] * len(BAR_CENTRES),
+                visualFrameOrientations=turns,
+                rgbaColors=[GUI_GATE_COLOUR] * len(bars),
                 **geometry,
             )
             if visible

@@ -1,14 +1,21 @@
 """Stand between a vehicle's camera and whoever looks at it, and change what passes."""
 
 import contextlib
+import re
 import socket
 import threading
 from collections.abc import Callable
 from typing import Self
 
+import cv2
+import numpy as np
+
+from flightstack.arrays import Rgb
+
 HOST = "127.0.0.1"
 CAMERA_PORT = 8090  # + instance
 PART_END = b"\r\n--frame\r\n"
+LENGTH = re.compile(rb"Content-Length: \d+")
 Change = Callable[[int, bytes], bytes | None]  # number and part: what is sent; None: hang up
 
 
@@ -66,3 +73,19 @@ class CameraProxy:
                 if changed is None:
                     return
                 client.sendall(changed + PART_END)
+
+
+def of_pictures(change: Callable[[Rgb], Rgb]) -> Change:
+    """Make of each picture another, under the headers that it came with."""
+
+    def changed(_number: int, part: bytes) -> bytes:
+        head, gap, content = part.partition(b"\r\n\r\n")
+        if not content:  # the head of the whole answer
+            return part
+        bgr = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
+        assert bgr is not None, "the vehicle's pictures decode"
+        rgb = change(np.ascontiguousarray(bgr[..., ::-1], np.uint8))
+        coded = cv2.imencode(".png", np.ascontiguousarray(rgb[..., ::-1]))[1].tobytes()
+        return LENGTH.sub(b"Content-Length: %d" % len(coded), head) + gap + coded
+
+    return changed

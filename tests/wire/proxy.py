@@ -23,8 +23,8 @@ class Proxy:
         self._hooks = (to_vehicle, to_companion)
         self._companion = ("127.0.0.1", companion_port)
         self._vehicle: tuple[str, int] | None = None
-        self._vehicle_side = _socket()
-        self._companion_side = _socket()
+        self._vehicle_side = open_socket()
+        self._companion_side = open_socket()
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
 
@@ -57,7 +57,7 @@ class Proxy:
                     self._vehicle_side.sendto(delivered, self._vehicle)
 
 
-def _socket() -> socket.socket:
+def open_socket() -> socket.socket:
     opened = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     opened.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
     opened.bind(("127.0.0.1", 0))

@@ -63,7 +63,7 @@ class Steering:
         self._decided_us = image.stamp_us
         self._holds.pop(PART, None)
         decision = replace(decision, command=decision.command * self._speed_scale)
-        self._vehicle.explain(decision, image.stamp_us)
+        self._vehicle.explain(decision, image)
         self._reporter.note_decision(decision)
         forward, right, down, yaw_rate = decision.command.tolist()
         self._velocities = (forward, right, down, yaw_rate)

@@ -236,14 +236,19 @@ class _Process:
     """A process that a selector can wait on: it can be read when it has ended."""
 
     def __init__(self, process_id: int) -> None:
-        if sys.platform == "linux":  # elsewhere nothing is forked
-            self._descriptor = os.pidfd_open(process_id)
+        self._descriptor = _open_process(process_id)
 
     def fileno(self) -> int:
         return self._descriptor
 
     def close(self) -> None:
         os.close(self._descriptor)
+
+
+def _open_process(process_id: int) -> int:
+    if sys.platform != "linux":
+        raise NotImplementedError
+    return os.pidfd_open(process_id)
 
 
 def memory_bytes(process_id: int | None) -> int:

@@ -21,15 +21,16 @@ def run(options: argparse.Namespace) -> None:
     from flightstack.evaluation.offline.measuring import judge, recipe_of  # noqa: PLC0415
     from flightstack.evaluation.offline.report import print_tables, write_results  # noqa: PLC0415
     from flightstack.libraries import load_library  # noqa: PLC0415
+    from flightstack.training.recipe import Recipe  # noqa: PLC0415
 
     for library in ("scoringrules", "sklearn.metrics", "matplotlib"):
         load_library(library, "evaluation")  # now, not after minutes of work
     recipes = {name: recipe_of(name) for name in options.model}
-    made: dict[str, Material] = {
+    made: dict[Recipe, Material] = {
         recipe: make_material(
             recipe, images=options.images, scenes=options.scene_images, seed=options.seed
         )
-        for recipe in sorted(set(recipes.values()))
+        for recipe in dict.fromkeys(recipes.values())
     }
     judged = [judge(name, made[recipe], seed=options.seed) for name, recipe in recipes.items()]
     print_tables(judged)

@@ -25,16 +25,15 @@ class Material:
     scenes: dict[str, NDArray[np.uint8]]  # of each kind, (S, 64, 64, 3)
 
 
-def make_material(recipe: str, *, images: int, scenes: int, seed: int) -> Material:
+def make_material(recipe: Recipe, *, images: int, scenes: int, seed: int) -> Material:
     """Fly the recipe's expert over test tracks, and render views and scenes.
 
-    Raises UsageError when there is no such recipe.
+    Raises UsageError for less than an image.
     """
-    made = Recipe.load(recipe)
     rng = np.random.default_rng([seed, FLIGHTS])
-    flown, commands = fly_until(rng, made.flights, tracks=TEST_TRACKS, images=images)
+    flown, commands = fly_until(rng, recipe.flights, tracks=TEST_TRACKS, images=images)
     rng = np.random.default_rng([seed, VIEWS])
-    renderer = ViewRenderer(made.views)
+    renderer = ViewRenderer(recipe.views)
     try:
         views = [renderer.draw(rng) for _ in range(images)]
     finally:
@@ -44,5 +43,8 @@ def make_material(recipe: str, *, images: int, scenes: int, seed: int) -> Materi
         commands=commands.astype(np.float64),
         views=np.stack([image for image, _ in views]),
         poses=np.stack([pose for _, pose in views]).astype(np.float64),
-        scenes={kind: render_scene(kind, scenes, seed=seed) for kind in SPOILS},
+        scenes={
+            kind: render_scene(kind, scenes, seed=seed, scenery=recipe.views.scenery)
+            for kind in SPOILS
+        },
     )

@@ -14,6 +14,7 @@ from flightstack.libraries import load_library
 from flightstack.models import Model
 from flightstack.perception.labels import LABELS, RANGE
 from flightstack.records import VELOCITIES
+from flightstack.training.recipe import Recipe
 
 BAND_M = (1.5, 8.0)  # where a passage is decided
 
@@ -32,9 +33,10 @@ class Judgement:
     strategies_differ: dict[str, dict[str, float]]  # |mi-mode - de-mean|, by velocity
 
 
-def recipe_of(name: str) -> str:
+def recipe_of(name: str) -> Recipe:
     """Which recipe a model was trained by; raises ModelError when there is no such model."""
-    return models.read_config(models.find(name) / models.CONFIG_FILE).recipe
+    folder = models.find(name)
+    return Recipe.beside(folder, models.read_config(folder / models.CONFIG_FILE).recipe)
 
 
 def judge(name: str, material: Material, *, seed: int) -> Judgement:

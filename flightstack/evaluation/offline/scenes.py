@@ -20,6 +20,7 @@ from sitl import (
     Gate,
     Look,
     Quaternion,
+    Scenery,
     Vector3,
     at_dusk,
     blurred,
@@ -67,6 +68,7 @@ def unseen_textures(rng: np.random.Generator, look: Look) -> Look:
     )
 
 
+PLAIN_SCENERY = Scenery()
 SPOILS: dict[str, Spoil] = {
     PLAIN: no_change,
     DOUBLE_GATE: no_change,
@@ -78,25 +80,28 @@ SPOILS: dict[str, Spoil] = {
 }
 
 
-def render_scene(kind: str, count: int, *, seed: int) -> NDArray[np.uint8]:
+def render_scene(
+    kind: str, count: int, *, seed: int, scenery: Scenery = PLAIN_SCENERY
+) -> NDArray[np.uint8]:
     """Render images (count, 64, 64, 3) of one kind of SPOILS; raises UsageError for another."""
     if kind not in SPOILS:
         raise UsageError(f"unknown scene {kind!r}: choose one of {', '.join(SPOILS)}")
-    parked = Gate(index=0, centre_ned=PARKED_NED, yaw_rad=0.0)
-    camera = Camera((parked, parked), draw_look(np.random.default_rng(0)))
+    parked = Gate(index=0, centre_ned=PARKED_NED, yaw_rad=0.0, shape=scenery.gate)
+    look = draw_look(np.random.default_rng(0), scenery)
+    camera = Camera((parked, parked), look, field_of_view_deg=scenery.field_of_view_deg)
     try:
-        return np.stack([_render(camera, kind, [seed, k]) for k in range(count)])
+        return np.stack([_render(camera, kind, [seed, k], scenery) for k in range(count)])
     finally:
         camera.close()
 
 
-def _render(camera: Camera, kind: str, seeds: list[int]) -> NDArray[np.uint8]:
+def _render(camera: Camera, kind: str, seeds: list[int], scenery: Scenery) -> NDArray[np.uint8]:
     rng, spoiling = np.random.default_rng(seeds), np.random.default_rng([*seeds, 1])
     position = (0.0, 0.0, -float(rng.uniform(*HEIGHT_M)))
     roll, pitch = (float(rng.uniform(-TILT_RAD, TILT_RAD)) for _ in range(2))
     heading = float(rng.uniform(-math.pi, math.pi))
     attitude = quaternion_from_euler(roll, pitch, heading)
-    camera.set_look(SPOILS[kind](spoiling, draw_look(rng)))
+    camera.set_look(SPOILS[kind](spoiling, draw_look(rng, scenery)))
     camera.place_gates(_gates(rng, kind, position, attitude, heading))
     image = camera.render(position, attitude)
     if kind == FOG:

@@ -94,10 +94,17 @@ def known_rungs() -> list[str]:
 def _options(conditions: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
     """Spell conditions out for the vehicle's command line."""
     return tuple(
-        f"--condition={table}.{key}={value}"  # Python writes numbers and lists as TOML does
+        f"--condition={table}.{key}={_toml(value)}"
         for table, values in conditions.items()
         for key, value in values.items()
     )
+
+
+def _toml(value: Any) -> str:
+    """Write a value on one line; Python writes numbers, lists and plain texts as TOML does."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + "}"
+    return str(value) if not isinstance(value, str) else repr(value)
 
 
 @cache

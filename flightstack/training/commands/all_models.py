@@ -21,8 +21,8 @@ from flightstack.training.models.recalibrate import Labelled, recalibrate
 from flightstack.training.perception.trainer import train_perception
 from flightstack.training.policy.trainer import train_policy
 from flightstack.training.presets import (
-    CALIBRATION_IMAGES,
-    IMAGES,
+    calibration_images_of,
+    images_of,
     perception_settings,
     policy_settings,
 )
@@ -38,7 +38,7 @@ PROCESSES = 2  # trainings side by side on a CPU, one thread each; an accelerato
 class Plan:
     """What to train, and where things lie: DATA/RECIPE, RUNS/RECIPE and MODELS/RECIPE."""
 
-    recipe: str
+    recipe: Recipe
     preset: str
     seed: int
     data_seed: int
@@ -50,7 +50,11 @@ class Plan:
 
     def dataset(self, kind: str) -> Dataset:
         """Open the data of one kind, "perception" or "control"."""
-        return read_dataset(self.data / self.recipe / kind)
+        return read_dataset(self.data / self.recipe.name / kind)
+
+    def images(self, kind: str) -> int:
+        """Say how many images the data of one kind have."""
+        return images_of(self.preset, kind, self.recipe.training)
 
     def catalogue(self) -> dict[str, ModelPlan]:
         """Say which models to make; raises UsageError for a name that is not in models.toml."""
@@ -63,7 +67,7 @@ class Plan:
     @property
     def run_folder(self) -> Path:
         """Where this recipe's runs lie."""
-        return self.runs / self.recipe
+        return self.runs / self.recipe.name
 
     @property
     def dagger_folder(self) -> Path:
@@ -73,7 +77,7 @@ class Plan:
     def flights(self) -> Dataset:
         """Open what policies learn from: the expert's flights, and with DAgger the first M0's."""
         flights = [self.dataset("control")]
-        if Recipe.load(self.recipe).dagger:
+        if self.recipe.dagger:
             flights.append(read_dataset(self.dagger_folder / "control"))
         return join(flights)
 
@@ -85,7 +89,7 @@ def train_all(plan: Plan) -> None:
     """
     catalogue = plan.catalogue()
     make_data(plan)
-    dagger = Recipe.load(plan.recipe).dagger
+    dagger = plan.recipe.dagger
     steering = {read_catalogue()[PILOT].encoder} if dagger else set()
     encoders = sorted({model.encoder for model in catalogue.values()} | steering)
     stacks = sorted({(model.encoder, model.policy) for model in catalogue.values()})
@@ -94,10 +98,10 @@ def train_all(plan: Plan) -> None:
     if dagger:
         fly_dagger(plan, dagger)
     processes(delayed(train_stack)(plan, *stack) for stack in stacks)
-    images = CALIBRATION_IMAGES[plan.preset]
+    images = calibration_images_of(plan.preset, plan.recipe.training)
     validation = Labelled.flown(plan.recipe, images=images, seed=plan.data_seed)
     for name, model in catalogue.items():
-        folder = plan.models / plan.recipe / name
+        folder = plan.models / plan.recipe.name / name
         write_model(
             folder,
             model,
@@ -112,10 +116,10 @@ def train_all(plan: Plan) -> None:
 
 def make_data(plan: Plan) -> None:
     """Make both datasets, unless they are there; raises UsageError where other ones are."""
-    recipe = Recipe.load(plan.recipe)
+    recipe = plan.recipe
     makers = {"perception": generate_perception, "control": generate_control}
     for kind, make in makers.items():
-        folder, images = plan.data / plan.recipe / kind, IMAGES[plan.preset][kind]
+        folder, images = plan.data / recipe.name / kind, plan.images(kind)
         if not (folder / MANIFEST).exists():
             make(folder, recipe, images=images, seed=plan.data_seed)
         refuse_other(folder, describe(kind, recipe, plan.data_seed), {})
@@ -130,7 +134,12 @@ def train_encoder(plan: Plan, encoder: str) -> None:
     torch.set_num_threads(1)
     train_perception(
         plan.dataset("perception"),
-        perception_settings(plan.preset, encoder=encoder, seed=plan.seed),
+        perception_settings(
+            plan.preset,
+            encoder=encoder,
+            seed=plan.seed,
+            training=plan.recipe.training,
+        ),
         perception_folder(plan.run_folder, encoder, plan.seed),
         device=torch.device(plan.device),
     )
@@ -147,7 +156,7 @@ def _train_stack(plan: Plan, encoder: str, policy: str, flights: Dataset, runs: 
     train_policy(
         flights,
         perception.encoder(),
-        policy_settings(plan.preset, kind=policy, seed=plan.seed),
+        policy_settings(plan.preset, kind=policy, seed=plan.seed, training=plan.recipe.training),
         policy_folder(runs, encoder, policy, plan.seed),
         perception=perception.sha256,
         device=torch.device(plan.device),
@@ -168,8 +177,8 @@ def fly_dagger(plan: Plan, dagger: Dagger) -> None:
     )
     generate_control(
         folder / "control",
-        Recipe.load(plan.recipe),
-        images=round(dagger.images_share * IMAGES[plan.preset]["control"]),
+        plan.recipe,
+        images=round(dagger.images_share * plan.images("control")),
         seed=DAGGER_SEEDS + plan.data_seed,
         piloting=Piloting.by(str(folder / PILOT), share=1.0),
     )

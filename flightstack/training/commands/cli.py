@@ -16,6 +16,7 @@ from flightstack.libraries import require
 PROGRAM = "python -m flightstack.training"
 LIBRARIES = ("torch", "pybullet", "joblib", "onnx", "onnxscript", "safetensors", "scipy")
 EXIT_INTERRUPTED = 130
+TRAINED = Path("trained")  # never models/, whose weights come with flightstack
 
 
 def main(arguments: Sequence[str] | None = None, program: str = PROGRAM) -> int:
@@ -54,18 +55,24 @@ def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
 
 def _add_detector(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, help="the model's folder: RECIPE/NAME")
-    parser.add_argument("--data", type=Path, default=Path("data"), help="where scenes are kept")
+    _add_recipe(parser)
     parser.add_argument(
-        "--files", type=int, choices=range(1, 81), default=2, metavar="N", help="of 40,000 scenes"
+        "--files",
+        type=int,
+        choices=range(1, 81),
+        metavar="N",
+        help="of 40,000 scenes (default: the recipe's, else 2)",
     )
-    parser.add_argument("--epochs", type=int, default=5, help="(default: 5)")
+    parser.add_argument("--epochs", type=_count, help="(default: the recipe's, else 5)")
     _add_seed(parser)
 
 
 def _add_all(parser: argparse.ArgumentParser) -> None:
     _add_recipe(parser)
     _add_training(parser)
-    parser.add_argument("--out", type=Path, default=Path("models"), help="model folders")
+    parser.add_argument(
+        "--out", type=Path, default=TRAINED, help=f"model folders (default: {TRAINED})"
+    )
     parser.add_argument("--runs", type=Path, default=Path("runs"), help="checkpoints, pictures")
     _add_seed(parser)
     parser.add_argument(
@@ -79,7 +86,7 @@ def _add_data(parser: argparse.ArgumentParser) -> None:
     perception = kinds.add_parser("perception", help="images of gates and the nearest one's pose")
     control = kinds.add_parser("control", help="flights and the expert's commands")
     for making in (perception, control):
-        making.add_argument("--images", type=int, required=True)
+        making.add_argument("--images", type=_count, required=True)
         making.add_argument("--jobs", type=int, default=-1, help="processes (default: all cores)")
         making.add_argument("--out", type=Path, help="instead of DATA/RECIPE/KIND")
         _add_recipe(making)
@@ -98,7 +105,8 @@ def _add_perception(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--data", type=Path, required=True, help="folder of a dataset")
     parser.add_argument("--out", type=Path, required=True, help="folder of the run")
     parser.add_argument("--encoder", choices=("mcd", "plain"), default="mcd")
-    parser.add_argument("--epochs", type=int, help="instead of the preset's")
+    parser.add_argument("--epochs", type=_count, help="instead of the preset's")
+    _add_recipe_alone(parser)
     _add_training(parser)
     _add_seed(parser)
 
@@ -111,15 +119,24 @@ def _add_policy(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, help="folder of the run")
     kinds = ("ensemble", "single", "deterministic")
     parser.add_argument("--kind", choices=kinds, default="ensemble")
-    parser.add_argument("--bootstrap", action="store_true", help="each member draws its own data")
-    parser.add_argument("--mixture", type=int, default=1, help="Gaussians a member (default: 1)")
-    parser.add_argument("--epochs", type=int, help="instead of the preset's")
+    parser.add_argument(
+        "--bootstrap", action="store_true", default=None, help="each member draws its own data"
+    )
+    parser.add_argument("--mixture", type=_count, help="Gaussians a member (default: 1)")
+    parser.add_argument("--epochs", type=_count, help="instead of the preset's")
+    _add_recipe_alone(parser)
     _add_training(parser)
     _add_seed(parser)
 
 
 def _add_calibrate(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("model", help="for example strong/m0")
+    parser.add_argument("model", help="by name, for example strong/m0, or its folder")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        help="folder of the calibrated model (default: its own, but for those of flightstack)",
+    )
+    parser.add_argument("--recipe", help="whose flights (default: the one in the model's folder)")
     parser.add_argument(
         "--images", type=int, default=6000, help="of flights over validation tracks (default: 6000)"
     )
@@ -127,12 +144,18 @@ def _add_calibrate(parser: argparse.ArgumentParser) -> None:
     _add_seed(parser)
 
 
+def _add_recipe_alone(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--recipe", default="strong", help="strong, paper or a file of yours (default: strong)"
+    )
+
+
 def _add_export(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", nargs="+", help="for example strong/m0")
 
 
 def _add_recipe(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--recipe", default="strong", help="of the data (default: strong)")
+    _add_recipe_alone(parser)
     parser.add_argument("--data", type=Path, default=Path("data"), help="folder of all data")
 
 
@@ -143,3 +166,10 @@ def _add_training(parser: argparse.ArgumentParser) -> None:
 
 def _add_seed(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=0, help="of all chance (default: 0)")
+
+
+def _count(text: str) -> int:
+    """Read a number of at least 1."""
+    if not text.isdecimal() or (count := int(text)) < 1:
+        raise argparse.ArgumentTypeError(f"must be a whole number of 1 or more, got {text!r}")
+    return count

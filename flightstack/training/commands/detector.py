@@ -5,6 +5,7 @@ from pathlib import Path
 
 from safetensors.torch import save_file
 
+from flightstack.errors import UsageError
 from flightstack.files import write_whole
 from flightstack.gate_models import GateModelConfig
 from flightstack.models import CONFIG_FILE, WEIGHTS_FILE, file_sha256
@@ -19,17 +20,42 @@ from flightstack.training.detector.store import (
 )
 from flightstack.training.detector.trainer import DetectorSettings, Epoch, train_detector
 from flightstack.training.models.flight_form import export
+from flightstack.training.progress import Curves
+from flightstack.training.recipe import RECIPE_FILE, Recipe
 from flightstack.training.seeds import TRAINING_SCENES
 from flightstack.training.seeds import VALIDATION_SCENES as VALIDATION_SEEDS
 
+FILES = 2  # of scenes, where neither options nor recipe say
+FIELD_OF_VIEW_DEG = 90.0  # that its cells are made for
 STRATEGY, SPEED_M_S = "de-mean", 2.6
 
 
-def train(out: Path, data: Path, *, files: int, settings: DetectorSettings) -> None:
-    """Make what scenes are missing, train, calibrate, write; raises nothing of its own."""
-    scenes = make_scenes(data / "scenes", TRAINING_SCENES[:files], FILE_SCENES)
-    validation = make_scenes(data / "validation-scenes", VALIDATION_SEEDS, VALIDATION_SCENES)
-    network = train_detector(scenes, validation, settings, _say)
+def train(out: Path, data: Path, recipe: Recipe, *, files: int, settings: DetectorSettings) -> None:
+    """Make what scenes are missing, in DATA/RECIPE, train, calibrate, write.
+
+    Raises UsageError where scenes of another recipe are there.
+    """
+    if recipe.scenes.scenery.field_of_view_deg != FIELD_OF_VIEW_DEG:
+        raise UsageError(
+            f"recipe {recipe.name}: a detector takes images of {FIELD_OF_VIEW_DEG:g} degrees, not "
+            f"{recipe.scenes.scenery.field_of_view_deg:g}: leave field_of_view_deg out"
+        )
+    folder, training = data / recipe.name, recipe.training
+    count = training.file_scenes or FILE_SCENES
+    scenes = make_scenes(folder / "scenes", recipe.scenes, TRAINING_SCENES[:files], count)
+    count = training.validation_scenes or VALIDATION_SCENES
+    validation = make_scenes(folder / "validation-scenes", recipe.scenes, VALIDATION_SEEDS, count)
+    out.mkdir(parents=True, exist_ok=True)
+    curves = Curves(out, done=0, epochs=settings.epochs)
+
+    def say(epoch: Epoch) -> None:
+        left = curves.add(epoch.number, score_loss=epoch.score_loss, value_loss=epoch.value_loss)
+        print(
+            f"epoch {epoch.number}/{settings.epochs}, {left} left: "
+            f"validation {epoch.score_loss:.4f} {epoch.value_loss:.4f}"
+        )
+
+    network = train_detector(scenes, validation, settings, say)
     trained = {
         "scenes": len(scenes),
         "scene_seeds": [TRAINING_SCENES[0], TRAINING_SCENES[files - 1]],
@@ -37,6 +63,7 @@ def train(out: Path, data: Path, *, files: int, settings: DetectorSettings) -> N
         "seed": settings.seed,
     }
     write_model(out, network, validation, trained)
+    write_whole(out / RECIPE_FILE, recipe.text())
 
 
 def write_model(
@@ -60,10 +87,3 @@ def write_model(
     )
     write_whole(out / CONFIG_FILE, table_text(config))
     export(str(out))
-
-
-def _say(epoch: Epoch) -> None:
-    print(
-        f"epoch {epoch.number}: validation {epoch.score_loss:.4f} {epoch.value_loss:.4f}, "
-        f"{epoch.wall_s / 60:.1f} min"
-    )

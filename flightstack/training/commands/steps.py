@@ -2,6 +2,7 @@
 
 import argparse
 from dataclasses import replace
+from pathlib import Path
 
 import torch
 
@@ -14,6 +15,7 @@ from flightstack.training.data.generation import generate_control, generate_perc
 from flightstack.training.data.pictures import write_pictures
 from flightstack.training.data.piloting import Piloting
 from flightstack.training.detector.trainer import DetectorSettings
+from flightstack.training.hyperparameters import given
 from flightstack.training.models.flight_form import export
 from flightstack.training.models.recalibrate import Labelled, recalibrate
 from flightstack.training.perception.trainer import train_perception
@@ -48,14 +50,18 @@ def _export(options: argparse.Namespace) -> None:
 
 
 def _detector(options: argparse.Namespace) -> None:
-    settings = DetectorSettings(seed=options.seed, epochs=options.epochs)
-    detector.train(options.out, options.data, files=options.files, settings=settings)
+    recipe = Recipe.load(options.recipe)
+    settings = replace(DetectorSettings(seed=options.seed), **given(recipe.training.detector))
+    if options.epochs is not None:
+        settings = replace(settings, epochs=options.epochs)
+    files = options.files or recipe.training.scene_files or detector.FILES
+    detector.train(options.out, options.data, recipe, files=files, settings=settings)
 
 
 def _all(options: argparse.Namespace) -> None:
     train_all(
         Plan(
-            recipe=options.recipe,
+            recipe=Recipe.load(options.recipe),
             preset=options.preset,
             seed=options.seed,
             data_seed=options.seed if options.data_seed is None else options.data_seed,
@@ -73,7 +79,7 @@ def _data(options: argparse.Namespace) -> None:
         write_pictures(options.dataset, options.out or options.dataset / "look", seed=options.seed)
         return
     recipe = Recipe.load(options.recipe)
-    folder = options.out or options.data / options.recipe / options.kind
+    folder = options.out or options.data / recipe.name / options.kind
     common = {"images": options.images, "seed": options.seed, "jobs": options.jobs}
     if options.kind == "perception":
         generate_perception(folder, recipe, **common)
@@ -84,22 +90,37 @@ def _data(options: argparse.Namespace) -> None:
 
 def _perception(options: argparse.Namespace) -> None:
     settings = perception_settings(
-        options.preset, encoder=options.encoder, seed=options.seed, epochs=options.epochs
+        options.preset,
+        encoder=options.encoder,
+        seed=options.seed,
+        training=Recipe.load(options.recipe).training,
+        epochs=options.epochs,
     )
     train_perception(
-        read_dataset(options.data), settings, options.out, device=torch.device(options.device)
+        read_dataset(options.data),
+        settings,
+        options.out,
+        device=torch.device(options.device),
     )
 
 
 def _policy(options: argparse.Namespace) -> None:
-    perception = read_run(options.perception)
     settings = policy_settings(
-        options.preset, kind=options.kind, seed=options.seed, epochs=options.epochs
+        options.preset,
+        kind=options.kind,
+        seed=options.seed,
+        training=Recipe.load(options.recipe).training,
+        epochs=options.epochs,
     )
+    if options.bootstrap:
+        settings = replace(settings, bootstrap=True)
+    if options.mixture is not None:
+        settings = replace(settings, mixture=options.mixture)
+    perception = read_run(options.perception)
     train_policy(
         join([read_dataset(folder) for folder in options.data]),
         perception.encoder(),
-        replace(settings, bootstrap=options.bootstrap, mixture=options.mixture),
+        settings,
         options.out,
         perception=perception.sha256,
         device=torch.device(options.device),
@@ -107,9 +128,22 @@ def _policy(options: argparse.Namespace) -> None:
 
 
 def _calibrate(options: argparse.Namespace) -> None:
+    folder = models.find(options.model)
+    if options.out is None and _came_along(folder):
+        raise UsageError(
+            f"{options.model} came with flightstack and stays as it is: name a folder for the "
+            f"calibrated copy, for example --out trained/{folder.parent.name}/{folder.name}"
+        )
     if options.data is not None:
         validation = Labelled.held_out(read_dataset(options.data))
     else:
-        recipe = models.read_config(models.find(options.model) / models.CONFIG_FILE).recipe
+        config = models.read_config(folder / models.CONFIG_FILE)
+        named = options.recipe
+        recipe = Recipe.load(named) if named else Recipe.beside(folder, config.recipe)
         validation = Labelled.flown(recipe, images=options.images, seed=options.seed)
-    recalibrate(options.model, validation, seed=options.seed)
+    recalibrate(options.model, validation, seed=options.seed, out=options.out)
+
+
+def _came_along(folder: Path) -> bool:
+    """Whether a model's folder is one of those that were published with this package."""
+    return any(folder.resolve().is_relative_to(each.resolve()) for each in models.PUBLISHED)

@@ -61,7 +61,10 @@ def fly(
             ),
             laps=2,
             first_gate=0 if at_spawn else int(rng.integers(GATES_PER_LAP)),
-            conditions=Conditions(light=Light(fog_visibility_m=recipe.fog.draw_visibility_m(rng))),
+            conditions=Conditions(
+                light=Light(fog_visibility_m=recipe.fog.draw_visibility_m(rng)),
+                scenery=recipe.scenery,
+            ),
         )
     )
     try:

@@ -34,11 +34,14 @@ class ViewRenderer:
 
     def __init__(self, recipe: ViewRecipe) -> None:
         self._recipe = recipe
+        scenery = recipe.scenery
         parked = tuple(
-            Gate(index=i, centre_ned=PARKED_NED, yaw_rad=0.0)
+            Gate(index=i, centre_ned=PARKED_NED, yaw_rad=0.0, shape=scenery.gate)
             for i in range(1 + recipe.most_distractors)
         )
-        self._camera = Camera(parked, draw_look(np.random.default_rng(0)))
+        look = draw_look(np.random.default_rng(0), scenery)
+        self._camera = Camera(parked, look, field_of_view_deg=scenery.field_of_view_deg)
+        self._lowest_m = scenery.gate.outer_m / 2.0  # of a centre above ground
         self._parked = parked
 
     def close(self) -> None:
@@ -62,7 +65,7 @@ class ViewRenderer:
         ]
         parked = self._parked[1 + len(distractors) :]
         self._camera.place_gates((target, *distractors, *parked))
-        look = draw_look(rng)
+        look = draw_look(rng, recipe.scenery)
         self._camera.set_look(in_fog(look, recipe.fog.draw_visibility_m(rng)))
         return self._spoil(rng, self._camera.render(position, attitude)), label
 
@@ -75,7 +78,7 @@ class ViewRenderer:
             azimuth = float(rng.uniform(-recipe.azimuth_rad, recipe.azimuth_rad))
             elevation = float(rng.uniform(-recipe.elevation_rad, recipe.elevation_rad))
             centre = place(position, attitude, range_m, azimuth, elevation)
-            if _stands_above_ground(centre):
+            if -centre[2] > self._lowest_m:
                 break
         if rng.random() < recipe.gate_yaw_uniform_share:
             gate_yaw = float(rng.uniform(-recipe.gate_yaw_rad, recipe.gate_yaw_rad))
@@ -95,7 +98,7 @@ class ViewRenderer:
             azimuth = float(rng.uniform(-recipe.azimuth_rad, recipe.azimuth_rad))
             elevation = float(rng.uniform(-recipe.elevation_rad, recipe.elevation_rad)) / 2.0
             centre = place(position, attitude, range_m, azimuth, elevation)
-            if _stands_above_ground(centre):
+            if -centre[2] > self._lowest_m:
                 yaw = float(rng.uniform(-math.pi, math.pi))
                 return Gate(index=0, centre_ned=centre, yaw_rad=yaw)
 
@@ -130,7 +133,3 @@ def place(
         position[1] + range_m * east,
         position[2] + range_m * down,
     )
-
-
-def _stands_above_ground(centre: Vector3) -> bool:
-    return centre[2] < -0.8  # half of the frame's height

@@ -22,7 +22,8 @@ from flightstack.training.data.gate_views import ViewRenderer
 from flightstack.training.data.manifest import refuse_other, settings_sha256, write_manifest
 from flightstack.training.data.piloting import Piloting
 from flightstack.training.data.shards import is_finished, write_shard
-from flightstack.training.recipe import Recipe
+from flightstack.training.progress import duration_text
+from flightstack.training.recipe import PLAIN, Recipe
 from flightstack.training.seeds import TRAINING_TRACKS, VALIDATION_TRACKS
 
 SPLITS = {"train": 1, "validation": 2}  # the numbers enter the seeds
@@ -56,7 +57,10 @@ def describe(
     kind: str, recipe: Recipe, seed: int, piloting: Piloting | None = None
 ) -> dict[str, Any]:
     """Name all that a dataset's bytes depend on, but its size."""
-    settings = asdict(recipe.views if kind == "perception" else recipe.flights)
+    part = recipe.views if kind == "perception" else recipe.flights
+    settings = asdict(part)
+    if part.scenery == PLAIN:  # as before there was any other
+        del settings["scenery"]
     about = {"kind": kind, "recipe": recipe.name, "seed": seed, "settings": settings}
     return about if piloting is None else {**about, "pilot": piloting.describe()}
 
@@ -135,7 +139,8 @@ def _generate(
     for count in counts:
         done += count
         rate = done / (time.monotonic() - started)
-        report(f"{folder.name}: {done} of {total} images, {rate:.0f} a second")
+        left = duration_text((total - done) / rate)
+        report(f"{folder.name}: {done} of {total} images, {rate:.0f} a second, {left} left")
 
 
 def _make_shard(folder: Path, plan: ShardPlan, make: Make, settings_sha256: str) -> int:

@@ -5,9 +5,6 @@ normal, clockwise from the line of sight, modulo pi, since a gate looks the same
 """
 
 import math
-from dataclasses import dataclass
-from importlib.resources import files
-from typing import Self
 
 import cv2
 import numpy as np
@@ -15,8 +12,8 @@ from jaxtyping import Float32
 from numpy.typing import NDArray
 
 from flightstack.arrays import SmallRgb
-from flightstack.tables import read_toml, record_from_table
 from flightstack.training.data.gate_views import PARKED_NED, place
+from flightstack.training.scene_recipe import SceneRecipe, Span
 from sitl import (
     Camera,
     Gate,
@@ -35,46 +32,8 @@ from sitl import (
 IMAGE_PX = 64
 FARTHEST_M = 15.0  # gates beyond are nobody's concern
 NEAREST_M = 0.45  # the frame is out of view
-GROUND_M = 0.8  # half of the frame's height
 TRIES = 40
-Span = tuple[float, float]
 SceneLabels = Float32[NDArray[np.float32], "G 4"]  # u, v (px), distance (m), seen angle (rad)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SceneRecipe:
-    """The ranges that scenes are drawn from; `recipe.toml` explains them."""
-
-    range_m: Span
-    most_gates: int
-    azimuth_rad: float
-    elevation_rad: float
-    gate_yaw_std_rad: float
-    gate_yaw_uniform_share: float
-    tilt_rad: float
-    height_m: Span
-    pair_share: float
-    pair_gap_m: Span
-    crowd_share: float
-    empty_share: float
-    noise_share: float
-    noise_std: Span
-    bad_noise_share: float
-    bad_noise_std: Span
-    blur_share: float
-    blur_std_px: Span
-    bad_blur_share: float
-    bad_blur_std_px: Span
-    dusk_share: float
-    daylight: Span
-    fog_share: float
-    visibility_m: Span
-
-    @classmethod
-    def load(cls) -> Self:
-        """Read the recipe of this package."""
-        text = (files("flightstack.training.detector") / "recipe.toml").read_text()
-        return record_from_table(cls, read_toml(text, where="recipe.toml"), where="recipe.toml")
 
 
 class SceneRenderer:
@@ -83,9 +42,11 @@ class SceneRenderer:
     def __init__(self, recipe: SceneRecipe) -> None:
         self._recipe = recipe
         self._parked = tuple(
-            Gate(index=i, centre_ned=PARKED_NED, yaw_rad=0.0) for i in range(recipe.most_gates)
+            Gate(index=i, centre_ned=PARKED_NED, yaw_rad=0.0, shape=recipe.scenery.gate)
+            for i in range(recipe.most_gates)
         )
-        self._camera = Camera(self._parked, draw_look(np.random.default_rng(0)))
+        self._camera = Camera(self._parked, draw_look(np.random.default_rng(0), recipe.scenery))
+        self._lowest_m = recipe.scenery.gate.outer_m / 2.0  # of a centre above ground
 
     def close(self) -> None:
         """Free the renderer."""
@@ -114,7 +75,7 @@ class SceneRenderer:
         nearest_m = _log_uniform(rng, recipe.range_m)
         first = self._draw_gate(rng, position, attitude, nearest_m)
         if kind < recipe.empty_share + recipe.pair_share:
-            gates = [first, _beside(first, float(rng.uniform(*recipe.pair_gap_m)), rng)]
+            gates = [first, self._beside(first, rng)]
             further = int(rng.integers(3))
         elif kind < recipe.empty_share + recipe.pair_share + recipe.crowd_share:
             gates, further = [first], int(rng.integers(2, recipe.most_gates))
@@ -133,10 +94,10 @@ class SceneRenderer:
             azimuth = float(rng.uniform(-recipe.azimuth_rad, recipe.azimuth_rad))
             elevation = float(rng.uniform(-recipe.elevation_rad, recipe.elevation_rad))
             centre = place(position, attitude, distance_m, azimuth, elevation)
-            if centre[2] < -GROUND_M:
+            if centre[2] < -self._lowest_m:
                 break
         else:
-            centre = (centre[0], centre[1], -GROUND_M)
+            centre = (centre[0], centre[1], -self._lowest_m)
         if rng.random() < recipe.gate_yaw_uniform_share:
             turn = float(rng.uniform(-math.pi, math.pi))
         else:
@@ -144,9 +105,22 @@ class SceneRenderer:
         heading = euler_from_quaternion(attitude)[2]
         return Gate(index=0, centre_ned=centre, yaw_rad=wrap_pi(heading + turn))
 
+    def _beside(self, gate: Gate, rng: np.random.Generator) -> Gate:
+        """Put a twin to the left or right."""
+        gap_m = float(rng.uniform(*self._recipe.pair_gap_m))
+        side = gap_m if rng.random() < 0.5 else -gap_m
+        north, east, down = gate.centre_ned
+        centre = (
+            north - side * math.sin(gate.yaw_rad),
+            east + side * math.cos(gate.yaw_rad),
+            min(down + float(rng.normal(0.0, 0.15)), -self._lowest_m),
+        )
+        yaw = gate.yaw_rad + float(rng.normal(0.0, 0.1))
+        return Gate(index=0, centre_ned=centre, yaw_rad=wrap_pi(yaw))
+
     def _draw_look(self, rng: np.random.Generator) -> Look:
         recipe = self._recipe
-        look = draw_look(rng)
+        look = draw_look(rng, recipe.scenery)
         if rng.random() < recipe.dusk_share:
             look = at_dusk(look, _log_uniform(rng, recipe.daylight))
         if rng.random() < recipe.fog_share:
@@ -189,19 +163,6 @@ def labels_of(gates: tuple[Gate, ...], position: Vector3, attitude: Quaternion) 
             seen = gate.yaw_rad - heading - math.atan2(right, ahead)
             labels.append((u, v, distance_m, math.remainder(seen, math.pi)))
     return np.array(sorted(labels, key=lambda label: label[2]), np.float32).reshape(-1, 4)
-
-
-def _beside(gate: Gate, gap_m: float, rng: np.random.Generator) -> Gate:
-    """Put a twin to the left or right."""
-    side = gap_m if rng.random() < 0.5 else -gap_m
-    north, east, down = gate.centre_ned
-    centre = (
-        north - side * math.sin(gate.yaw_rad),
-        east + side * math.cos(gate.yaw_rad),
-        min(down + float(rng.normal(0.0, 0.15)), -GROUND_M),
-    )
-    yaw = gate.yaw_rad + float(rng.normal(0.0, 0.1))
-    return Gate(index=0, centre_ned=centre, yaw_rad=wrap_pi(yaw))
 
 
 def _log_uniform(rng: np.random.Generator, span: Span) -> float:

@@ -1,9 +1,12 @@
-"""Scenes in files, each of its own seed: made once, read as often as they are trained on."""
+"""Scenes in files, each of its own seed: made once, read as often as they are trained on.
+
+A file names what it was drawn from, and is refused where something else is asked for.
+"""
 
 import os
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +14,10 @@ from jaxtyping import Float32
 from numpy.typing import NDArray
 
 from flightstack.arrays import RgbStack
-from flightstack.training.detector.scenes import SceneRecipe, SceneRenderer
+from flightstack.errors import UsageError
+from flightstack.training.data.manifest import settings_sha256
+from flightstack.training.detector.scenes import SceneRenderer
+from flightstack.training.scene_recipe import SceneRecipe
 
 FILE_SCENES = 40_000
 VALIDATION_SCENES = 4_000
@@ -29,20 +35,22 @@ class Scenes:
         return len(self.images)
 
 
-def make_scenes(folder: Path, seeds: Sequence[int], count: int) -> Scenes:
-    """Read the scenes of these seeds, so many of each; those that are missing are made first."""
+def make_scenes(folder: Path, recipe: SceneRecipe, seeds: Sequence[int], count: int) -> Scenes:
+    """Read the scenes of these seeds, so many of each; those that are missing are made first.
+
+    Raises UsageError where a file holds scenes of another recipe, or another number of them.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / f"{seed:06}.npz" for seed in seeds]
-    missing = [(seed, count, path) for seed, path in zip(seeds, paths, strict=True)
+    missing = [(recipe, seed, count, path) for seed, path in zip(seeds, paths, strict=True)
                if not path.is_file()]  # fmt: skip
     if missing:
         with ProcessPoolExecutor(min(len(missing), os.cpu_count() or 1)) as pool:
             list(pool.map(_write, *zip(*missing, strict=True)))
-    return _joined([_read(path) for path in paths])
+    return _joined([_read(path, recipe, count) for path in paths])
 
 
-def _write(seed: int, count: int, path: Path) -> None:
-    recipe = SceneRecipe.load()
+def _write(recipe: SceneRecipe, seed: int, count: int, path: Path) -> None:
     rng = np.random.default_rng(seed)
     renderer = SceneRenderer(recipe)
     images = np.zeros((count, 64, 64, 3), np.uint8)
@@ -52,13 +60,19 @@ def _write(seed: int, count: int, path: Path) -> None:
         labels[index, : len(seen)] = seen
     renderer.close()
     unfinished = path.with_suffix(".part.npz")
-    np.savez(unfinished, images=images, labels=labels)
+    np.savez(unfinished, images=images, labels=labels, drawn_from=settings_sha256(asdict(recipe)))
     unfinished.replace(path)
 
 
-def _read(path: Path) -> Scenes:
+def _read(path: Path, recipe: SceneRecipe, count: int) -> Scenes:
+    advice = "choose another --data, or remove it"
     with np.load(path) as file:
-        return Scenes(images=file["images"], labels=file["labels"])
+        if str(file.get("drawn_from", "")) != settings_sha256(asdict(recipe)):
+            raise UsageError(f"{path} holds scenes of another recipe: {advice}")
+        scenes = Scenes(images=file["images"], labels=file["labels"])
+    if len(scenes) != count:
+        raise UsageError(f"{path} holds {len(scenes)} scenes, not {count}: {advice}")
+    return scenes
 
 
 def _joined(parts: list[Scenes]) -> Scenes:

@@ -1,7 +1,6 @@
 """Train the gate detector on scenes; half of the images of each batch are mirrored."""
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -45,7 +44,6 @@ class Epoch:
     number: int
     score_loss: float  # on the validation scenes
     value_loss: float
-    wall_s: float
 
 
 def train_detector(
@@ -64,7 +62,6 @@ def train_detector(
     )
     steps = settings.epochs * (len(scenes) // settings.batch)
     step = 0
-    began_s = time.monotonic()
     for number in range(1, settings.epochs + 1):
         order = rng.permutation(len(scenes))
         for start in range(0, len(scenes) - settings.batch + 1, settings.batch):
@@ -75,8 +72,7 @@ def train_detector(
                   settings.max_gradient)  # fmt: skip
             step += 1
         score, value = validate(network, validation)
-        wall_s = time.monotonic() - began_s
-        say(Epoch(number=number, score_loss=score, value_loss=value, wall_s=wall_s))
+        say(Epoch(number=number, score_loss=score, value_loss=value))
     network.eval()
     return network
 

@@ -17,6 +17,7 @@ from flightstack.tables import table_text
 from flightstack.training.models.card import model_card
 from flightstack.training.models.catalogue import ModelPlan
 from flightstack.training.models.flight_form import export
+from flightstack.training.recipe import RECIPE_FILE, Recipe
 from flightstack.training.runs import FinishedRun
 
 CARD_FILE, METRICS_FILE = "README.md", "metrics.json"
@@ -28,10 +29,10 @@ def write_model(
     perception: FinishedRun,
     policy: FinishedRun,
     *,
-    recipe: str,
+    recipe: Recipe,
     preset: str,
 ) -> None:
-    """Write models/<recipe>/<name> and its flight form; the image decoder stays behind."""
+    """Write <recipe>/<name> and its flight form; the image decoder stays behind."""
     folder.mkdir(parents=True, exist_ok=True)
     flies = ("encoder.", "pose_decoder.")
     weights = {key: value for key, value in perception.weights.items() if key.startswith(flies)}
@@ -40,7 +41,7 @@ def write_model(
     (folder / WEIGHTS_FILE).chmod(0o644)  # safetensors keeps its files from other users
     config = ModelConfig(
         name=folder.name,
-        recipe=recipe,
+        recipe=recipe.name,
         strategy=plan.strategy,
         weights_sha256=file_sha256(folder / WEIGHTS_FILE),
         perception=PerceptionConfig(
@@ -52,6 +53,7 @@ def write_model(
         ),
         policy=policy_config(policy.summary),
     )
+    write_whole(folder / RECIPE_FILE, recipe.text())
     describe_model(folder, config, plan, _metrics(perception, policy, preset))
     export(str(folder), report=lambda _: None)
 

@@ -5,6 +5,7 @@ models that share it differ in how many they draw, or draw none: so each has fac
 """
 
 import json
+import shutil
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
@@ -37,11 +38,10 @@ class Labelled:
     commands: PerImage  # m/s, rad/s
 
     @classmethod
-    def flown(cls, recipe: str, *, images: int, seed: int) -> Self:
-        """Fly a recipe's expert over validation tracks; raises UsageError for an unknown recipe."""
+    def flown(cls, recipe: Recipe, *, images: int, seed: int) -> Self:
+        """Fly a recipe's expert over validation tracks; raises UsageError for no images."""
         rng = np.random.default_rng([seed, VALIDATION_FLIGHTS])
-        flights = Recipe.load(recipe).flights
-        seen, labels = fly_until(rng, flights, tracks=VALIDATION_TRACKS, images=images)
+        seen, labels = fly_until(rng, recipe.flights, tracks=VALIDATION_TRACKS, images=images)
         return cls(images=seen, commands=labels.astype(np.float64))
 
     @classmethod
@@ -51,13 +51,17 @@ class Labelled:
         return cls(images=dataset.images[at], commands=dataset.labels[at].astype(np.float64))
 
 
-def recalibrate(name: str, validation: Labelled, *, seed: int, report: Report = print) -> Path:
-    """Write what the validation images say into the model's folder; its weights stay.
+def recalibrate(
+    name: str, validation: Labelled, *, seed: int, out: Path | None = None, report: Report = print
+) -> Path:
+    """Write what the validation images say into the model's folder, or a copy; its weights stay.
 
-    Raises ModelError when there is no such model.
+    Returns the folder. Raises ModelError when there is no such model.
     """
-    model = models.load(name)
-    folder, config = models.find(name), model.config
+    model, found = models.load(name), models.find(name)
+    folder, config = out or found, model.config
+    if folder.resolve() != found.resolve():
+        shutil.copytree(found, folder, dirs_exist_ok=True)
     measured = measure(model, validation, seed=seed)
     policy = replace(
         config.policy, variance_factor=measured.variance_factor, best_member=measured.best_member

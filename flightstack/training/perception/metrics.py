@@ -44,6 +44,15 @@ class PerceptionMetrics:
         pairs = zip(self.label_mae, self.constant_mae, strict=True)
         return tuple(error / max(constant, 1e-12) for error, constant in pairs)
 
+    def curves(self) -> dict[str, float]:
+        """Name what is followed over the epochs: errors in m and rad, and the posterior's life."""
+        return {
+            "image_mse": self.image_mse,
+            **dict(zip(LABELS, self.label_mae, strict=True)),
+            "kl": sum(self.kl),
+            "active_units": self.active_units,
+        }
+
     def line(self) -> str:
         """Say it in one line of progress."""
         names = (name.rsplit("_", 1)[0] for name in LABELS)

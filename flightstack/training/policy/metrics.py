@@ -34,6 +34,11 @@ class PolicyMetrics:
         """The member of least NLL for each velocity, (4,)."""
         return tuple(np.argmin(self.member_nll, axis=0).tolist())
 
+    def curves(self) -> dict[str, float]:
+        """Name what is followed over the epochs: nats, m/s and rad/s."""
+        rmse = {f"rmse_{name}": value for name, value in zip(VELOCITIES, self.rmse, strict=True)}
+        return {"nll": sum(self.nll), **rmse}
+
     def line(self) -> str:
         """Say it in one line of progress."""
         rmse = " ".join(f"{n} {v:.3f}" for n, v in zip(VELOCITIES, self.rmse, strict=True))

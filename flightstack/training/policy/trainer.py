@@ -21,6 +21,7 @@ from flightstack.training.perception.latents import LatentSource
 from flightstack.training.policy.metrics import PolicyMetrics, measure_policy
 from flightstack.training.policy.predictions import predict
 from flightstack.training.presets import PolicySettings
+from flightstack.training.progress import Curves
 from flightstack.training.runs import Report, write_run
 
 REPORT_EVERY = 10  # epochs
@@ -155,8 +156,8 @@ def train_policy(
 ) -> PolicyRun:
     """Train, or go on with, the run in `folder`; `perception` names the encoder's training.
 
-    Raises TrainingError when the loss is not finite or a velocity is no better predicted than by a
-    constant; UsageError when the data or the folder do not fit.
+    Raises TrainingError when the loss is not finite or, if it must learn, a velocity is no better
+    predicted than by a constant; UsageError when the data or the folder do not fit.
     """
     folder.mkdir(parents=True, exist_ok=True)
     trainer = PolicyTrainer(dataset, LatentSource(encoder, dataset.images, device), settings)
@@ -164,12 +165,19 @@ def train_policy(
     checkpoint = Checkpoint(
         folder, identity=identity, model=trainer.stack, optimizer=trainer.optimizer
     )
-    for done, loss in checkpoint.train(trainer.epoch, range(checkpoint.restore(), settings.epochs)):
-        if done % REPORT_EVERY == 0 and done < settings.epochs:
-            report(f"{folder.name} epoch {done}/{settings.epochs}: loss {loss:.3f}")
+    begin = checkpoint.restore()
+    curves = Curves(folder, done=begin, epochs=settings.epochs, report=report)
+    for done, loss in checkpoint.train(trainer.epoch, range(begin, settings.epochs)):
+        measured = done % REPORT_EVERY == 0 or done == settings.epochs
+        values = trainer.measure().curves() if measured else {}
+        left = curves.add(done, loss=loss, **values)
+        if measured and done < settings.epochs:
+            head = f"{folder.name} epoch {done}/{settings.epochs}, {left} left"
+            report(f"{head}: loss {loss:.3f}, NLL {values['nll']:.2f} nats")
     metrics = trainer.measure()
     report(f"{folder.name}: {metrics.line()}")
     stack = trainer.stack.cpu().eval()
     write_run(folder, "policy", stack, {**identity, "metrics": metrics.as_dict()})
-    metrics.require_healthy()
+    if settings.must_learn:
+        metrics.require_healthy()
     return PolicyRun(folder=folder, stack=stack, config=trainer.config, metrics=metrics)

@@ -18,7 +18,6 @@ from sitl.mavlink.vehicle import CommandedAutopilot, JudgedVehicle
 from sitl.mavlink.wire.dialect import Message, mavlink
 from sitl.mavlink.wire.texts import statustexts
 from sitl.records.course import CourseEvent, CourseEventKind, CourseState, CourseStatus, Gate
-from sitl.records.gate import GATE_INNER_M
 from sitl.records.mavlink_numbers import MavResult
 from sitl.records.modes import Mode
 from sitl.records.texts import INFO, NOTICE, WARNING
@@ -133,7 +132,7 @@ def encode_gate(gate: Gate, number: int, request: Request, *, is_next: bool) -> 
         int(is_next),
         1,  # autocontinue
         0.0,
-        GATE_INNER_M / 2.0,
+        gate.shape.inner_m / 2.0,
         0.0,
         math.degrees(gate.yaw_rad),
         round(north_m * LOCAL_SCALE),

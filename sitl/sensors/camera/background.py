@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sitl.sensors.camera.look import TEXTURE_SIZE, Colour, Look, make_texture
+from sitl.sensors.camera.texture_files import read_texture
 
 CLOUD_HEIGHT_M = 60.0
 CLOUD_TILE_M = 300.0
@@ -64,7 +65,11 @@ def _look_up(
     cos_turn, sin_turn = math.cos(look.ground_turn_rad), math.sin(look.ground_turn_rad)
     column = ((cos_turn * north + sin_turn * east) * scale).astype(np.int32) & TEXTURE_MASK
     row = ((cos_turn * east - sin_turn * north) * scale).astype(np.int32) & TEXTURE_MASK
-    return _texture(look.ground_texture).take(row * TEXTURE_SIZE + column)
+    at = row * TEXTURE_SIZE + column
+    noise = _texture(look.ground_texture).take(at)
+    if not look.ground_picture:
+        return noise
+    return np.where(is_ground, read_texture(look.ground_picture).take(at), noise)
 
 
 def _colour(colour: Colour) -> NDArray[np.float32]:

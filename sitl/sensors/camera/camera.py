@@ -9,14 +9,15 @@ from numpy.typing import NDArray
 
 from sitl.frames import flip, rotate, to_bullet_quaternion
 from sitl.records.course import Gate
-from sitl.records.gate import BAR_CENTRES, BAR_HALF_EXTENTS
 from sitl.records.motion import Quaternion, Vector3
+from sitl.records.scenery import FIELD_OF_VIEW_DEG
 from sitl.sensors.camera.background import Background
 from sitl.sensors.camera.look import Look
+from sitl.sensors.camera.texture_files import readable
 
 SIZE_PX = 64
-FIELD_OF_VIEW_DEG = 90.0
 SUPERSAMPLING = 2  # gates are drawn finer and averaged, so that thin far bars do not flicker
+NO_PICTURE = -1
 NEAR_M = 0.05
 FAR_M = 60.0
 
@@ -24,16 +25,24 @@ FAR_M = 60.0
 class Camera:
     """Draw gates before ground and sky, in a pybullet client of its own that holds nothing else."""
 
-    def __init__(self, gates: tuple[Gate, ...], look: Look) -> None:
+    def __init__(
+        self,
+        gates: tuple[Gate, ...],
+        look: Look,
+        *,
+        field_of_view_deg: float = FIELD_OF_VIEW_DEG,
+    ) -> None:
+        """Put the gates up; raises UsageError where a picture of the look cannot be read."""
         self._client: int = pybullet.connect(pybullet.DIRECT)
         self._fine = SIZE_PX * SUPERSAMPLING
         self._projection = pybullet.computeProjectionMatrixFOV(
-            FIELD_OF_VIEW_DEG, 1.0, NEAR_M, FAR_M
+            field_of_view_deg, 1.0, NEAR_M, FAR_M
         )
-        self._background = Background(_pixel_rays(SIZE_PX))
-        fine_rays = _pixel_rays(self._fine).reshape(3, self._fine, self._fine)
+        self._background = Background(_pixel_rays(SIZE_PX, field_of_view_deg))
+        fine_rays = _pixel_rays(self._fine, field_of_view_deg).reshape(3, self._fine, self._fine)
         self._fine_norms = np.linalg.norm(fine_rays, axis=0)
-        self._bodies = [self._add_gate() for _ in gates]
+        self._bodies = [(self._add_gate(gate), len(gate.shape.bars())) for gate in gates]
+        self._pictures: dict[str, int] = {}
         self.look = look
         self.set_look(look)
         self.place_gates(gates)
@@ -43,21 +52,23 @@ class Camera:
         pybullet.disconnect(self._client)
 
     def set_look(self, look: Look) -> None:
-        """Change light and colours."""
+        """Change light, colours and pictures; raises UsageError where one cannot be read."""
         self.look = look
-        for body in self._bodies:
-            for shape in range(len(BAR_CENTRES)):
+        picture = self._load(look.gate_picture) if look.gate_picture else NO_PICTURE
+        for body, bars in self._bodies:
+            for shape in range(bars):
                 pybullet.changeVisualShape(
                     body,
                     -1,
                     shapeIndex=shape,
                     rgbaColor=(*look.gate_colour, 1.0),
+                    textureUniqueId=picture,
                     physicsClientId=self._client,
                 )
 
     def place_gates(self, gates: tuple[Gate, ...]) -> None:
-        """Move the gates; their number is fixed when the camera is made."""
-        for body, gate in zip(self._bodies, gates, strict=True):
+        """Move the gates; their number and shapes are fixed when the camera is made."""
+        for (body, _), gate in zip(self._bodies, gates, strict=True):
             half = gate.yaw_rad / 2.0
             pybullet.resetBasePositionAndOrientation(
                 body,
@@ -124,11 +135,20 @@ class Camera:
         fog = 255.0 * np.array(self.look.sky_horizon)
         rgba[drawn, :3] = np.rint(fog + (rgba[drawn, :3] - fog) * clear)
 
-    def _add_gate(self) -> int:
+    def _load(self, picture: str) -> int:
+        """Give a picture's number in the renderer, which reads it once."""
+        if picture not in self._pictures:
+            with readable(picture) as path:
+                self._pictures[picture] = pybullet.loadTexture(path, physicsClientId=self._client)
+        return self._pictures[picture]
+
+    def _add_gate(self, gate: Gate) -> int:
+        bars = gate.shape.bars()
         shape = pybullet.createVisualShapeArray(
-            shapeTypes=[pybullet.GEOM_BOX] * len(BAR_CENTRES),
-            halfExtents=BAR_HALF_EXTENTS,
-            visualFramePositions=[flip(centre) for centre in BAR_CENTRES],
+            shapeTypes=[pybullet.GEOM_BOX] * len(bars),
+            halfExtents=[bar.half_extents for bar in bars],
+            visualFramePositions=[flip(bar.centre) for bar in bars],
+            visualFrameOrientations=[to_bullet_quaternion(bar.q) for bar in bars],
             physicsClientId=self._client,
         )
         body: int = pybullet.createMultiBody(
@@ -137,9 +157,9 @@ class Camera:
         return body
 
 
-def _pixel_rays(size_px: int) -> NDArray[np.float32]:
+def _pixel_rays(size_px: int, field_of_view_deg: float) -> NDArray[np.float32]:
     """Rays through the pixel centres, shape (3, H * W): FRD, unit forward component."""
-    reach = math.tan(math.radians(FIELD_OF_VIEW_DEG) / 2.0)
+    reach = math.tan(math.radians(field_of_view_deg) / 2.0)
     steps = ((np.arange(size_px) + 0.5) / size_px * 2.0 - 1.0) * reach
     right, down = np.meshgrid(steps, steps)
     return np.stack([np.ones(right.size), right.ravel(), down.ravel()]).astype(np.float32)

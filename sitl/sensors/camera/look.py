@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from sitl.records.scenery import PLAIN, Scenery
+
 GROUND_TEXTURES = 24  # distinct seeded textures to draw from
 TEXTURE_SIZE = 256  # texels per side; textures tile
 MIN_CONTRAST = 0.02  # that an eye still sees: it defines the visibility
@@ -27,15 +29,17 @@ class Look:
     cloudiness: float  # 0..1, strength of the clouds' texture
     ground_light: Colour
     ground_dark: Colour
-    ground_texture: int  # which of the seeded textures
+    ground_texture: int  # which of the seeded textures, where there is no picture
     ground_scale_m: float  # side of one tile
     ground_turn_rad: float
     haze_m: float  # distance at which the contrast of the ground has fallen to 1/e
     fog_m: float = math.inf  # and that of the gates
+    gate_picture: str = ""  # path; none
+    ground_picture: str = ""
 
 
-def draw_look(rng: np.random.Generator) -> Look:
-    """Draw one look: daylight of any colour, any kind of ground, gates from red to yellow."""
+def draw_look(rng: np.random.Generator, scenery: Scenery = PLAIN) -> Look:
+    """Draw one look: daylight of any colour, any kind of ground, gates of the scenery's colours."""
     brightness = rng.uniform(0.65, 1.1)
     sun_azimuth = rng.uniform(-np.pi, np.pi)
     sun_elevation = rng.uniform(0.35, 1.4)
@@ -50,8 +54,8 @@ def draw_look(rng: np.random.Generator) -> Look:
     zenith = (1.0 - 0.7 * overcast) * zenith + 0.7 * overcast * horizon.mean()
     ground = rng.uniform([0.25, 0.25, 0.18], [0.60, 0.58, 0.50]) * brightness
     contrast = rng.uniform(0.25, 0.8)
-    gate = np.array([rng.uniform(0.75, 1.0), rng.uniform(0.15, 0.55), rng.uniform(0.0, 0.2)])
-    return Look(
+    gate = rng.uniform(scenery.gate_colour_low, scenery.gate_colour_high)
+    look = Look(
         gate_colour=_colour(gate),
         ambient=float(rng.uniform(0.45, 0.7) * brightness),
         diffuse=float(rng.uniform(0.25, 0.55) * brightness),
@@ -67,6 +71,8 @@ def draw_look(rng: np.random.Generator) -> Look:
         ground_turn_rad=float(rng.uniform(0.0, 2.0 * np.pi)),
         haze_m=float(rng.uniform(30.0, 150.0)),
     )
+    pictures = [_one_of(rng, each) for each in (scenery.gate_pictures, scenery.ground_pictures)]
+    return replace(look, gate_picture=pictures[0], ground_picture=pictures[1])
 
 
 def in_fog(look: Look, visibility_m: float) -> Look:
@@ -106,6 +112,11 @@ def make_texture(index: int) -> NDArray[np.float32]:
     noise = np.fft.irfft2(spectrum / frequency**1.3, s=(TEXTURE_SIZE, TEXTURE_SIZE))
     low, high = np.quantile(noise, [0.01, 0.99])
     return np.asarray(np.clip((noise - low) / (high - low), 0.0, 1.0), dtype=np.float32)
+
+
+def _one_of(rng: np.random.Generator, paths: tuple[str, ...]) -> str:
+    """Draw a path; from none nothing is drawn."""
+    return paths[int(rng.integers(len(paths)))] if paths else ""
 
 
 def _colour(values: NDArray[np.float64]) -> Colour:

@@ -1,6 +1,6 @@
 """Vehicle time follows stamps, at any speed."""
 
-from flightstack.clock import VehicleClock
+from flightstack.clock import ClockLine, VehicleClock
 
 
 class Wall:
@@ -46,3 +46,16 @@ def test_follows_a_reboot() -> None:
     clock.observe(60_000_000)
     clock.observe(20_000)
     assert (clock.stamp_us, clock.elapsed_us) == (20_000, 0)
+
+
+def test_a_line_tells_any_moment_until_telemetry_is_ahead_of_it() -> None:
+    wall = Wall()
+    clock = VehicleClock(wall)
+    clock.observe(5_000_000)
+    clock.synchronise(ClockLine(100.0, 5_080_000.0, 1.0))  # telemetry was 80 ms on its way
+    assert clock.at_us(99.5) == 4_580_000
+    clock.observe(5_100_000)
+    assert clock.now_us() == 5_080_000
+    clock.observe(5_200_000)  # telemetry cannot be early: the vehicle's clock runs otherwise
+    assert not clock.synchronised
+    assert clock.now_us() == 5_200_000

@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 from flightstack.camera.camera import Camera, open_camera
+from flightstack.camera.lens.network_view import ImageSizeError, NetworkView
 from flightstack.camera.mailbox import Arrival
+from flightstack.camera.settings import CameraSettings
 from flightstack.clock import VehicleClock
 from flightstack.errors import LinkError
+from tests.lenses import STRONG
 from tests.unit.flightstack.camera.made_stream import MadeStream, part, picture
 
 WAIT_S = 10.0
@@ -39,6 +42,17 @@ def test_reads_a_stamped_stream() -> None:
         camera = open_camera(stream.uri, VehicleClock())
         arrival = next_image(camera)
         assert (arrival.image.stamp_us, arrival.stamped) == (3_500_000, True)
+        camera.close()
+
+
+def test_images_of_another_shape_than_was_calibrated_are_the_users_fault() -> None:
+    with MadeStream(part(picture(1, 2, 3), X_Timestamp="3.5")) as stream:
+        camera = open_camera(
+            stream.uri, VehicleClock(), settings=CameraSettings(view=NetworkView(STRONG))
+        )
+        camera._thread.join(WAIT_S)
+        assert isinstance(camera.fault, ImageSizeError)
+        assert camera.failure == str(camera.fault)
         camera.close()
 
 

@@ -1,11 +1,13 @@
 """Stamps are believed while they can be the vehicle's time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from flightstack.camera.mailbox import Arrival
 from flightstack.camera.stamps import StampCheck
-from flightstack.clock import VehicleClock
+from flightstack.clock import ClockLine, VehicleClock
 from flightstack.records import Image
 
 
@@ -52,3 +54,35 @@ def test_an_image_that_the_vehicle_has_announced_has_the_time_of_that(clock: Veh
 def test_a_stamp_before_any_telemetry_is_believed() -> None:
     came = arrival(900_000_000)
     assert StampCheck(VehicleClock()).admit(came) is came
+
+
+def undated(clock: VehicleClock, received_s: float, taken_s: float | None = None) -> Arrival:
+    image = replace(arrival(0).image, stamp_us=clock.at_us(received_s))
+    return Arrival(image, received_s, stamped=False, taken_s=taken_s)
+
+
+def test_an_image_without_a_stamp_is_dated_by_its_sensor_less_the_latency(
+    clock: VehicleClock,
+) -> None:
+    clock.synchronise(ClockLine(0.25, 200e6, 1.0))
+    check = StampCheck(clock, latency_s=0.03)
+    by_arrival = check.admit(undated(clock, 0.2))
+    by_sensor = check.admit(undated(clock, 0.25, taken_s=0.23))
+    assert [a.image.stamp_us for a in (by_arrival, by_sensor)] == [199_920_000, 199_950_000]
+    assert [check.aged(a).age_s for a in (by_arrival, by_sensor)] == pytest.approx([0.03, 0.05])
+
+
+def test_images_stay_in_order_when_the_clock_is_put_right(clock: VehicleClock) -> None:
+    check = StampCheck(clock)
+    first = check.admit(undated(clock, 0.25)).image.stamp_us
+    clock.synchronise(ClockLine(0.25, 199.9e6, 1.0))
+    assert check.admit(undated(clock, 0.3)).image.stamp_us == first + 1
+    assert check.admit(undated(clock, 0.45)).image.stamp_us == 200_100_000
+
+
+def test_a_stamped_image_is_as_old_as_telemetry_proves(clock: VehicleClock) -> None:
+    check = StampCheck(clock)
+    assert check.aged(arrival(200_000_000)).age_s == 0.0  # as in lockstep
+    assert check.aged(arrival(199_900_000)).age_s == pytest.approx(0.1)
+    clock.synchronise(ClockLine(0.0, 200.02e6, 1.0))
+    assert check.aged(arrival(200_000_000)).age_s == pytest.approx(0.02)

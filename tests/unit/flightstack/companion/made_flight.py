@@ -17,6 +17,7 @@ from flightstack.companion.mission.records import MissionPhase, MissionStatus
 from flightstack.companion.piloting.in_process import InProcessPilot
 from flightstack.companion.reporter import Reporter
 from flightstack.companion.vehicle_session import VehicleSession
+from flightstack.errors import FlightstackError
 from flightstack.px4_modes import Px4Mode
 from flightstack.records import ALL_MEMBERS, Decision, Image
 from tests.unit.flightstack.mavlink.made_link import MadeLink, heartbeat
@@ -31,6 +32,7 @@ class MadeCamera:
 
     def __init__(self) -> None:
         self.announced_hz: float | None = None
+        self.fault: FlightstackError | None = None
         self.arrival: Arrival | None = None
         self.restarts = 0
 

@@ -14,7 +14,7 @@ from flightstack.companion.discovery import (
     wait_for_vehicle,
 )
 from flightstack.companion.vehicle_session import VehicleSession
-from flightstack.errors import LinkError
+from flightstack.errors import LinkError, UsageError
 from tests.unit.flightstack.companion.made_flight import MadeCamera
 from tests.unit.flightstack.mavlink.made_link import MadeLink, heartbeat
 
@@ -91,3 +91,11 @@ def test_a_camera_without_images_is_given_up_in_time(waiting: Waiting) -> None:
     with pytest.raises(LinkError, match="camera front gave no frame for 4 s"):
         wait_for_image(waiting.session, MadeCamera(), 4.0, name="front")
     assert waiting.waited_s == pytest.approx(4.0)
+
+
+def test_a_camera_at_fault_is_told_at_once(waiting: Waiting) -> None:
+    camera = MadeCamera()
+    camera.fault = UsageError("calibrate it")
+    with pytest.raises(UsageError, match="calibrate it"):
+        wait_for_image(waiting.session, camera, 4.0, name="front")
+    assert waiting.waited_s == 0.0

@@ -11,6 +11,7 @@ from flightstack.clock import VehicleClock
 from flightstack.companion import loop
 from flightstack.companion.loop import FlightLoop
 from flightstack.companion.waiting import wait_for_any
+from flightstack.errors import FlightstackError
 
 
 class Source:
@@ -18,6 +19,7 @@ class Source:
 
     def __init__(self) -> None:
         self.announced_hz: float | None = None
+        self.fault: FlightstackError | None = None
         self._end, self._socket = socket.socketpair()
         self.clock = VehicleClock()
 

@@ -32,13 +32,15 @@ def published(*stamps_us: int, member: list[int]) -> list[Any]:
 
 
 def test_rows_stand_in_the_documented_order() -> None:
-    array = published(52_000, member=[0, 1, 2, 4])[0]
+    sent: list[Any] = []
+    UncertaintyPublisher(sent.append).publish(decision([0, 1, 2, 4]), 52_000, 0.25)
+    array = sent[0]
     assert (array.name, array.array_id, array.time_usec) == ("decision", 0, 52_000)
     assert array.data[:12] == [float(value) for value in range(12)]
     assert array.data[12:16] == [0.0, 5.0, 10.0, 19.0]
     assert array.data[16:24] == [0, 1, 2, 4, 1, 2, 3, 4]
     assert array.data[24:28] == [24, 25, 26, 27]
-    assert array.data[28:] == [0.0] * 30
+    assert array.data[28:] == [0.25, *[0.0] * 29]
 
 
 def test_pooled_members_have_their_mean_score() -> None:

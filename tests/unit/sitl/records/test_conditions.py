@@ -57,6 +57,12 @@ def test_a_change_goes_before_the_file_and_leaves_the_rest(tmp_path: Path) -> No
     assert changed.light.daylight_share == 0.5
 
 
+def test_changes_of_one_gate_add_up() -> None:
+    changes = ["scenery.gate={inner_m = 1.8, outer_m = 2.2}", "scenery.gate.outline='circle'"]
+    gate = read_conditions(None, changes).scenery.gate
+    assert (gate.outline, gate.inner_m, gate.outer_m) == ("circle", 1.8, 2.2)
+
+
 @pytest.mark.parametrize(
     ("change", "fragments"),
     [
@@ -70,6 +76,12 @@ def test_a_change_goes_before_the_file_and_leaves_the_rest(tmp_path: Path) -> No
         ("wind.mean_ned_m_s=[1, 2]", ["mean_ned_m_s", "3 numbers", "[1, 2]"]),
         ("wind.mean_ned_m_s=[1, 2, 99]", ["mean_ned_m_s", "-20 to 20", "99"]),
         ("course.decoy_inwards_m=1.0", ["decoy_inwards_m", "at least 1.8"]),
+        ("scenery.gate.outline='star'", ["outline", "one of square, circle", "'star'"]),
+        ("scenery.gate.inner_m=9", ["inner_m", "0.4 to 4"]),
+        ("scenery.gate.inner_m=1.8", ["outer_m", "above inner_m, 1.8, got 1.6"]),
+        ("scenery.gate_pictures='a.png'", ["gate_pictures", "must be a list", "'a.png'"]),
+        ("scenery.gate_pictures=[1]", ["gate_pictures", "must be a text, got 1"]),
+        ("scenery.gate_colour_low=[1, 1, 1]", ["gate_colour_high", "must lie in order"]),
         ("latency", ["not TOML"]),
     ],
 )
@@ -97,5 +109,6 @@ def test_the_document_shows_every_key_as_it_may_be(tmp_path: Path) -> None:
     file.write_text(example)
     conditions = read_conditions(file)
     for name, part in asdict(conditions).items():
-        assert all(f"{key} = " in example for key in part), name
+        plain = part.pop("gate", {}) | part
+        assert all(f"{key} = " in example for key in plain), name
     assert conditions != Conditions()

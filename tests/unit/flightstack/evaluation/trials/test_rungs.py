@@ -45,6 +45,13 @@ def test_a_rung_says_what_the_vehicle_is_told() -> None:
     assert told.wind.mean_ned_m_s == (3.0, 0.0, -0.5)
 
 
+def test_a_rung_may_be_another_world() -> None:
+    gate = "[conditions.scenery.gate]\noutline = 'circle'\ninner_m = 1.8\nouter_m = 2.2\n"
+    _, condition = parse_rung("rings", f"about = ''\nnoise_m = [1, 2]\n{gate}")
+    told = parse(condition.vehicle_options, {}).conditions.scenery.gate
+    assert (told.outline, told.inner_m, told.outer_m) == ("circle", 1.8, 2.2)
+
+
 def test_a_rung_of_ones_own_is_named_by_its_path(tmp_path: Path) -> None:
     file = tmp_path / "bad-day.toml"
     file.write_text(FOG)

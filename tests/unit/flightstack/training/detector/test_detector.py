@@ -2,30 +2,33 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
-from flightstack.errors import ModelError
+from flightstack.errors import ModelError, UsageError
 from flightstack.gate_models import is_gate_model, load_gate_model
 from flightstack.perception.gate_decoding import DetectionCalibration, decode
 from flightstack.training.commands.detector import write_model
 from flightstack.training.detector.calibration import match, metrics_of
 from flightstack.training.detector.losses import targets_of
-from flightstack.training.detector.scenes import SceneRecipe, SceneRenderer, labels_of
+from flightstack.training.detector.scenes import SceneRenderer, labels_of
 from flightstack.training.detector.store import Scenes, make_scenes
 from flightstack.training.detector.trainer import DetectorSettings, Epoch, train_detector, validate
+from flightstack.training.recipe import Recipe
 from sitl import Gate, quaternion_from_euler
 from tests.paths import ROOT
 
 SCENES = 48
+RECIPE = Recipe.load("strong").scenes
 
 
 @pytest.fixture(scope="module")
 def scenes(tmp_path_factory: pytest.TempPathFactory) -> Scenes:
-    return make_scenes(tmp_path_factory.mktemp("scenes"), [3], SCENES)
+    return make_scenes(tmp_path_factory.mktemp("scenes"), RECIPE, [3], SCENES)
 
 
 def gate(north: float, east: float, yaw_rad: float = 0.0) -> Gate:
@@ -45,13 +48,22 @@ def test_labels_are_where_a_level_camera_sees_the_gates_the_nearest_first() -> N
 def test_a_seed_gives_the_same_scenes() -> None:
     drawn = []
     for _ in range(2):
-        renderer = SceneRenderer(SceneRecipe.load())
+        renderer = SceneRenderer(RECIPE)
         rng = np.random.default_rng(5)
         drawn.append([renderer.draw(rng) for _ in range(3)])
         renderer.close()
     for (image, labels), (other, others) in zip(*drawn, strict=True):
         assert np.array_equal(image, other)
         assert np.array_equal(labels, others)
+
+
+def test_scenes_of_another_recipe_are_refused(tmp_path: Path) -> None:
+    make_scenes(tmp_path, RECIPE, [3], 2)
+    other = replace(RECIPE, pair_share=0.0)
+    with pytest.raises(UsageError, match="holds scenes of another recipe"):
+        make_scenes(tmp_path, other, [3], 2)
+    with pytest.raises(UsageError, match="holds 2 scenes, not 3"):
+        make_scenes(tmp_path, RECIPE, [3], 3)
 
 
 def test_scenes_hold_none_one_and_several_gates(scenes: Scenes) -> None:

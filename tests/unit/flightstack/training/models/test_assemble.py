@@ -28,6 +28,9 @@ from flightstack.training.presets import PolicySettings
 from flightstack.training.recipe import Dagger, Recipe
 from flightstack.training.runs import read_run
 
+STRONG = Recipe.load("strong")
+TEST = dataclasses.replace(STRONG, name="test")
+
 
 @pytest.fixture(scope="module")
 def policy_folder(
@@ -56,7 +59,7 @@ def folder(perception_run: PerceptionRun, policy_folder: Path, tmp_path: Path) -
         read_catalogue()["m0"],
         read_run(perception_run.folder),
         read_run(policy_folder),
-        recipe="test",
+        recipe=TEST,
         preset="quick",
     )
     return folder
@@ -121,7 +124,7 @@ def test_a_model_is_measured_as_it_flies(folder: Path, control_data: Dataset) ->
 @pytest.fixture
 def plan(tmp_path: Path) -> all_models.Plan:
     return all_models.Plan(
-        recipe="strong",
+        recipe=STRONG,
         preset="quick",
         seed=0,
         data_seed=0,
@@ -145,7 +148,7 @@ def test_policies_learn_from_a_first_models_flights_too(
     shutil.copytree(perception_run.folder, plan.run_folder / "perception-mcd-0")
     shutil.copytree(policy_folder, plan.dagger_folder / "policy-mcd-ensemble-0")
     expert = plan.data / "strong" / "control"
-    generate_control(expert, Recipe.load("strong"), images=20, seed=0, jobs=1, report=print)
+    generate_control(expert, STRONG, images=20, seed=0, jobs=1, report=print)
     all_models.fly_dagger(plan, Dagger(images_share=0.5))
     all_models.train_stack(plan, "mcd", "ensemble")
 
@@ -202,10 +205,10 @@ def test_all_calibrates_every_model_that_it_writes(
 
 
 def test_validation_flights_are_a_function_of_their_seed() -> None:
-    first, again = (Labelled.flown("strong", images=4, seed=3) for _ in range(2))
+    first, again = (Labelled.flown(STRONG, images=4, seed=3) for _ in range(2))
     assert np.array_equal(first.images, again.images)
     assert np.array_equal(first.commands, again.commands)
-    other = Labelled.flown("strong", images=4, seed=4)
+    other = Labelled.flown(STRONG, images=4, seed=4)
     assert not np.array_equal(first.images, other.images)
 
 
@@ -221,7 +224,7 @@ def test_a_deterministic_policy_gets_the_variance_that_it_leaves_unexplained(
     train_policy(control_data, encoder, settings, tmp_path / "run", **common)
     runs = read_run(perception_run.folder), read_run(tmp_path / "run")
     folder = tmp_path / "m3"
-    write_model(folder, read_catalogue()["m3"], *runs, recipe="test", preset="quick")
+    write_model(folder, read_catalogue()["m3"], *runs, recipe=TEST, preset="quick")
     recalibrate(str(folder), Labelled.held_out(control_data), seed=0, report=lambda _: None)
     measured = json.loads((folder / "metrics.json").read_text())["policy"]
     assert max(measured["coverage_before"]) < 0.85

@@ -1,0 +1,1 @@
+"""What a lens does to the view, and how it is undone."""
