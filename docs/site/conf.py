@@ -1,4 +1,4 @@
-"""How Sphinx makes the site of docs/: `scripts/site` calls it. It asks no network."""
+"""How Sphinx makes the site of docs/: `scripts/pages/site` calls it. It asks no network."""
 
 import re
 from pathlib import Path

@@ -15,7 +15,7 @@ PROMISED = (DOCS / "public-names.txt").read_text().splitlines()
 
 def test_no_public_name_is_gone() -> None:
     """One that has to go is deprecated first: docs/promise.md."""
-    command = [sys.executable, str(ROOT / "scripts" / "public_names.py")]
+    command = [sys.executable, str(ROOT / "scripts" / "pages" / "public_names.py")]
     here = os.environ | {"PYTHONPATH": str(ROOT)}
     found = subprocess.run(command, env=here, capture_output=True, text=True, check=True).stdout
     gone = set(PROMISED) - set(found.splitlines())

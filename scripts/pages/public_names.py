@@ -1,6 +1,6 @@
 """List the public names that docs/promise.md speaks of.
 
-    python scripts/public_names.py [--write]
+    python scripts/pages/public_names.py [--write]
 
 Prints those that the code has; --write puts them into docs/public-names.txt, at a release. A test
 fails where a name of that file is gone.
@@ -28,7 +28,7 @@ from flightstack.models import ModelConfig
 from flightstack.training.recipe import Recipe
 from sitl import Conditions
 
-DOCUMENT = Path(__file__).resolve().parents[1] / "docs" / "public-names.txt"
+DOCUMENT = Path(__file__).resolve().parents[2] / "docs" / "public-names.txt"
 ERRORS = (FlightstackError, UsageError, LinkError, ModelError)
 MODULES = (  # all of what they give away
     "flightstack",
