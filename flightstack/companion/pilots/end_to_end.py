@@ -4,10 +4,10 @@ image, and the vehicle's estimate at its stamp --> act --> velocities [, how uns
 """
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from flightstack import extensions
 from flightstack.companion.piloting.failure import PartError, PartMarker
@@ -21,8 +21,8 @@ from flightstack.records import ALL_MEMBERS, VELOCITIES, Decision, Image, Observ
 WIDTH = len(VELOCITIES)
 PARTS = 3  # of an uncertainty: aleatoric, epistemic, perceptual
 LEVEL_AND_STILL = (0.0, 0.0, 0.0)
-Velocities = NDArray[np.floating[Any]]  # (4,) m/s, m/s, m/s, rad/s
-Stds = NDArray[np.floating[Any]]  # (4,), or (3, 4): aleatoric, epistemic, perceptual
+Velocities = ArrayLike  # (4,) m/s, m/s, m/s, rad/s
+Stds = ArrayLike  # (4,), or (3, 4): aleatoric, epistemic, perceptual
 
 
 class EndToEndPolicy(Protocol):
