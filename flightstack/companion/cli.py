@@ -44,6 +44,7 @@ def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--udp", metavar="PORT", help="listen on this UDP port (default 14540)")
     where.add_argument("--connect", metavar="STRING", help="connection string, see below")
+    add("--system", type=_system, metavar="N", help="of the vehicle (first that has a camera)")
     add("--model", help=f"which model flies (default {DEFAULT_MODEL})")
     add("--strategy", help="how it decides (default: the model's); yours as my_package:MyStrategy")
     add("--perception", metavar="NAME", help="your own instead of the model's")
@@ -165,6 +166,7 @@ def _plan(arguments: argparse.Namespace) -> "FlightPlan":
         reach_s=arguments.reach,
         limits=_limits(arguments),
         speed_scale=arguments.speed_scale,
+        system=arguments.system,
         timeout_s=arguments.timeout,
         signing_key=None if arguments.signing_key is None else load_key(arguments.signing_key),
     )
@@ -203,6 +205,13 @@ def _positive(text: str) -> float:
     value = float(text)
     if not (math.isfinite(value) and value > 0):
         raise argparse.ArgumentTypeError(f"{text} is not a number above 0")
+    return value
+
+
+def _system(text: str) -> int:
+    value = int(text)
+    if not 1 <= value <= 255:
+        raise argparse.ArgumentTypeError(f"{text} is no MAVLink system: 1 to 255")
     return value
 
 

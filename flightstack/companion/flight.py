@@ -62,6 +62,7 @@ class FlightPlan:
     reach_s: float = 300.0  # a silent vehicle that we have lifted is called for so long
     speed_scale: float = 1.0
     limits: FlightLimits = field(default_factory=FlightLimits)
+    system: int | None = None  # of the vehicle; None: the first that has a camera
     timeout_s: float = 60.0  # for vehicle and camera to be found, wall time
     signing_key: bytes | None = field(default=None, repr=False)
 
@@ -81,7 +82,7 @@ def fly(
         recorder = _open_recorder(plan, reporter, stack)
         signing = None if plan.signing_key is None else Signing(plan.signing_key)
         transport = open_transport(plan.endpoint)
-        link = Link(transport, tlog, clock, signing=signing)
+        link = Link(transport, tlog, clock, signing=signing, system=plan.system)
         stack.callback(link.close)
         vehicle = VehicleSession(link, plan.takeoff_altitude_m, publish_members=plan.record_images)
         pilot = load_pilot(vehicle.motion)
@@ -142,9 +143,20 @@ def _find(vehicle: VehicleSession, plan: FlightPlan, console: Console) -> str:
     if uri is None:
         uri = find_camera(vehicle, plan.timeout_s)
         check_address(uri, _vehicle_host(vehicle, plan.endpoint), plan.camera_host)
-    at = "" if found is None or found.address is None else " at {}:{}".format(*found.address)
-    console.event(f"vehicle {vehicle.link.system_id} found{at}; opening its camera {uri}")
+    if vehicle.link.vehicle != found and vehicle.telemetry.armed:
+        listen(vehicle, PILOT_BEATS_S)
+    vehicle.link.settle()
+    _tell_choice(vehicle.link, uri, console)
     return uri
+
+
+def _tell_choice(link: Link, uri: str, console: Console) -> None:
+    """Say which vehicle is taken, and which were heard and are not."""
+    others = [str(each) for each in link.heard if each != link.vehicle]
+    past = f"; looked past: {'; '.join(others)} (see --system)" if others else ""
+    found = link.vehicle
+    at = "" if found is None or found.address is None else " at {}:{}".format(*found.address)
+    console.event(f"vehicle {link.system_id} found{at}; opening its camera {uri}{past}")
 
 
 def _openness(endpoint: Endpoint) -> str:

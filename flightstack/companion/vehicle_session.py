@@ -7,6 +7,7 @@ from flightstack.mavlink import commands
 from flightstack.mavlink.commands import CommandLong, CommandRefusal, CommandSender
 from flightstack.mavlink.course_download import CourseDownload
 from flightstack.mavlink.heartbeat import HeartbeatSender
+from flightstack.mavlink.identity import VehicleIdentity
 from flightstack.mavlink.link import Link, Message
 from flightstack.mavlink.motion import MotionHistory
 from flightstack.mavlink.offboard import Velocities, velocity_setpoint
@@ -81,6 +82,14 @@ class VehicleSession:
                 self._receiver.update(message)
             elif refusal := self._commands.acknowledge(message):
                 self._refusals.append(refusal)
+
+    def turn_to(self, vehicle: VehicleIdentity) -> None:
+        """Speak with this one, and forget all that another has said."""
+        self.link.turn_to(vehicle)
+        self._receiver.forget()
+        self.timesync.begin_anew()
+        self._commands = CommandSender(self.link)
+        self._refusals.clear()
 
     def take_restart(self) -> int | None:
         """Return the last time before the vehicle restarted, where it has since the last call."""

@@ -45,7 +45,7 @@ def fly_untimed(options: argparse.Namespace) -> float:
     flown = fly(
         laps=options.laps,
         track_seed=options.track_seed,
-        noise_m=(radius_m, height_m),
+        noise=(radius_m, height_m),
         model=options.model,
         fast=True,
     )

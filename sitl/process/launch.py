@@ -60,8 +60,8 @@ def launch(options: Options) -> int:
             from sitl.process.assembly import assemble  # noqa: PLC0415  brings pybullet and OpenCV
 
         server, stream = assemble(options, links, guard, unix_epoch_us, stack)
-        _log.info("vehicle %d: %s, camera %s", options.system, _describe(links), stream.uri)
-        return _run(server, options)
+        about = f"vehicle {options.system}: {_describe(links)}, camera {stream.uri}"
+        return _run(server, options, about)
 
 
 def _launch_px4(options: Options, px4: Px4Options, unix_epoch_us: int, stack: ExitStack) -> int:
@@ -75,8 +75,8 @@ def _launch_px4(options: Options, px4: Px4Options, unix_epoch_us: int, stack: Ex
 
     server, stream = assemble_px4(options, connection, relay, guard, unix_epoch_us, stack)
     host, port = connection.address
-    _log.info("simulator of PX4 %d: tcp %s:%d, camera %s", options.instance, host, port, stream.uri)
-    return _run(server, options)
+    about = f"simulator of PX4 {options.instance}: tcp {host}:{port}, camera {stream.uri}"
+    return _run(server, options, about)
 
 
 def _launch_external(
@@ -97,8 +97,8 @@ def _launch_external(
         from sitl.process.external_assembly import assemble_external  # noqa: PLC0415  brings pybullet
 
     server, stream = assemble_external(options, link, relay, guard, unix_epoch_us, stack)
-    _log.info("follows vehicle %d: %s, camera %s", options.system, link.describe(), stream.uri)
-    return _run(server, options)
+    about = f"follows vehicle {options.system}: {link.describe()}, camera {stream.uri}"
+    return _run(server, options, about)
 
 
 def _open_relay(options: Options, guard: Guard, stack: ExitStack) -> "Relay":
@@ -144,10 +144,8 @@ def _describe(links: Sequence[Link]) -> str:
     return ", ".join(link.describe() for link in links)
 
 
-def _run(server: "Server", options: Options) -> int:
-    """Run until SIGINT or SIGTERM; a second signal ends the process at once."""
-    if options.video is not None:
-        _log.info("video to udp://%s:%d", *options.video)
+def _run(server: "Server", options: Options, about: str) -> int:
+    """Say what runs, and run it until SIGINT or SIGTERM; a second one ends the process at once."""
     gc.freeze()  # what is here now stays: no need to look through it again and again
     received: list[int] = []
 
@@ -158,6 +156,9 @@ def _run(server: "Server", options: Options) -> int:
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, stop)
+    _log.info("%s", about)  # whoever reads this may end us: from here on we do so in order
+    if options.video is not None:
+        _log.info("video to udp://%s:%d", *options.video)
     server.run()
     _log.info("stopped by %s", signal.Signals(received[0]).name if received else "itself")
     return INTERRUPTED if signal.SIGINT in received else 0

@@ -69,11 +69,15 @@ class Trial:
 
     def fly(self) -> FlightSummary:
         with self.vehicle:
-            return fly(
-                self.plan,
-                lambda _motion: InProcessPilot(self.pilot),
-                Console(verbosity=1, stream=self.output),
-            )
+            return self.fly_alone()
+
+    def fly_alone(self) -> FlightSummary:
+        """Fly whatever is there by itself."""
+        return fly(
+            self.plan,
+            lambda _motion: InProcessPilot(self.pilot),
+            Console(verbosity=1, stream=self.output),
+        )
 
 
 def read_tlog(path: Path) -> Iterator[Any]:
