@@ -1,6 +1,6 @@
 """A simulated PX4-style vehicle: pybullet physics, an autopilot, a camera, MAVLink 2 over UDP.
 
-`python -m sitl` runs it. As a library it is the simulation alone, a tick at a time, no sockets:
+`python -m sitl` runs it. As a library it is the simulation alone, a tick at a time, no sockets::
 
     from sitl import Conditions, CourseState, Simulation, SimulationConfig, Wind
 

@@ -3,7 +3,7 @@
 import argparse
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,8 +14,9 @@ from flightstack.errors import FlightstackError, UsageError
 from flightstack.printable import printable
 
 if TYPE_CHECKING:
-    from flightstack.companion.flight import FlightPlan
+    from flightstack.companion.console import Console
     from flightstack.companion.guards.limits import FlightLimits
+    from flightstack.companion.opening.steps import FlightPlan
     from flightstack.companion.piloting.protocols import GuardedPilot
     from flightstack.companion.pilots.choice import PilotChoice
     from flightstack.mavlink.motion import MotionHistory
@@ -62,6 +63,7 @@ def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
     add("--log", type=Path, metavar="PATH", help="tlog (default logs/companion-<UTC>.tlog)")
     add("--signing-key", type=Path, metavar="FILE", help="sign, and heed only what is signed")
     add("--record-frames", action="store_true", help="keep each frame as PNG, in LOG.frames")
+    add("--check", action="store_true", help="do all but fly, and say what is missing")
     add("--json", action="store_true", help="last line of output: the result as JSON")
     add_camera_options(parser)
     _add_limits(parser)
@@ -120,6 +122,8 @@ def _fly(arguments: argparse.Namespace) -> int:
         return load(choice, motion)
 
     console = Console(verbosity=int(arguments.verbose) - int(arguments.quiet))
+    if arguments.check:
+        return _check(plan, load_pilot, choice, console, as_json=arguments.json)
     with ending_at_once():
         summary = fly(plan, load_pilot, console)
     if arguments.json:
@@ -128,6 +132,23 @@ def _fly(arguments: argparse.Namespace) -> int:
     else:
         print(summary.to_text(), flush=True)
     return summary.exit_code
+
+
+def _check(
+    plan: "FlightPlan",
+    load_pilot: "Callable[[MotionHistory], GuardedPilot]",
+    choice: "PilotChoice",
+    console: "Console",
+    *,
+    as_json: bool,
+) -> int:
+    from flightstack.companion.readiness.check import check  # noqa: PLC0415
+    from flightstack.companion.signals import ending_at_once  # noqa: PLC0415
+
+    with ending_at_once():
+        found = check(plan, load_pilot, choice.model or f"{choice.pilot}", console)
+    print(found.to_json() if as_json else printable(found.to_text(), keep="\n"), flush=True)
+    return 0 if found.is_ready else 1
 
 
 def _choice(arguments: argparse.Namespace) -> "PilotChoice":
@@ -147,7 +168,7 @@ def _choice(arguments: argparse.Namespace) -> "PilotChoice":
 
 
 def _plan(arguments: argparse.Namespace) -> "FlightPlan":
-    from flightstack.companion.flight import FlightPlan  # noqa: PLC0415
+    from flightstack.companion.opening.steps import FlightPlan  # noqa: PLC0415
     from flightstack.mavlink.endpoint import parse_endpoint  # noqa: PLC0415
     from flightstack.mavlink.signing import load_key  # noqa: PLC0415
 

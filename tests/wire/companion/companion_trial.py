@@ -11,7 +11,8 @@ import numpy as np
 from pymavlink import mavutil
 
 from flightstack.companion.console import Console
-from flightstack.companion.flight import FlightPlan, fly
+from flightstack.companion.flight import fly
+from flightstack.companion.opening.steps import FlightPlan
 from flightstack.companion.piloting.in_process import InProcessPilot
 from flightstack.companion.summary import FlightSummary
 from flightstack.mavlink.endpoint import parse_endpoint

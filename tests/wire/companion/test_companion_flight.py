@@ -13,8 +13,9 @@ import pytest
 from pymavlink.dialects.v20 import common
 
 from flightstack.companion.console import Console
-from flightstack.companion.flight import FlightPlan, fly
+from flightstack.companion.flight import fly
 from flightstack.companion.mission.records import Outcome
+from flightstack.companion.opening.steps import FlightPlan
 from flightstack.errors import LinkError
 from flightstack.mavlink.endpoint import parse_endpoint
 from tests.wire.companion.companion_trial import (

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from pymavlink.dialects.v20 import common
 
-from flightstack.companion import discovery
-from flightstack.companion.discovery import (
+from flightstack.companion.opening import discovery
+from flightstack.companion.opening.discovery import (
     find_camera,
     wait_for_camera,
     wait_for_image,

@@ -29,7 +29,7 @@ SHORTEST_S = 0.1
 def wait_for_vehicle(vehicle: VehicleSession, timeout_s: float, *, name: str) -> None:
     """Return once a PX4 vehicle has been heard; raises LinkError after `timeout_s`."""
     link = vehicle.link
-    if _receive_until(vehicle, lambda: link.vehicle is not None, timeout_s):
+    if listen_until(vehicle, lambda: link.vehicle is not None, timeout_s):
         return
     refused = ", ".join(verdict.value for verdict in link.refused)
     why = f"what came was refused: {refused}" if refused else "is it running?"
@@ -49,7 +49,7 @@ def find_camera(vehicle: VehicleSession, timeout_s: float) -> str:
     deadline_s, turn_s = wall_s() + timeout_s, wall_s() + TURN_S
     while wall_s() < deadline_s:
         commands.request(request, 0)
-        if _receive_until(vehicle, lambda: vehicle.stream_uri is not None, REQUEST_PERIOD_S):
+        if listen_until(vehicle, lambda: vehicle.stream_uri is not None, REQUEST_PERIOD_S):
             return str(vehicle.stream_uri)
         if wall_s() >= turn_s and len(link.candidates) > 1:
             turn_s = wall_s() + TURN_S
@@ -89,7 +89,7 @@ def wait_for_camera(
         except LinkError:
             if clock.wall_s() >= deadline_s:
                 raise
-        _receive_until(vehicle, lambda: False, REQUEST_PERIOD_S)
+        listen_until(vehicle, lambda: False, REQUEST_PERIOD_S)
 
 
 def wait_for_image(
@@ -102,13 +102,13 @@ def wait_for_image(
             raise camera.fault
         return wait_for_any(0, camera)
 
-    if not _receive_until(vehicle, is_ready, timeout_s, camera):
+    if not listen_until(vehicle, is_ready, timeout_s, camera):
         raise LinkError(f"camera {name} gave no frame for {timeout_s:g} s")
 
 
 def listen(vehicle: VehicleSession, for_s: float) -> None:
     """Take in what is said for a while."""
-    _receive_until(vehicle, lambda: False, for_s)
+    listen_until(vehicle, lambda: False, for_s)
 
 
 def pace(vehicle: VehicleSession, over_s: float) -> float:
@@ -119,9 +119,10 @@ def pace(vehicle: VehicleSession, over_s: float) -> float:
     return max(0, clock.stamp_us - began_us) / 1e6 / (clock.wall_s() - began_s)
 
 
-def _receive_until(
+def listen_until(
     vehicle: VehicleSession, found: Callable[[], bool], timeout_s: float, *also: ImageQueue
 ) -> bool:
+    """Take in what is said until something is found; whether it was, within `timeout_s`."""
     clock = vehicle.link.clock
     deadline_s = clock.wall_s() + timeout_s
     while not found():
