@@ -80,6 +80,14 @@ def test_completion_knows_all_commands_and_their_options(
         assert name in script
 
 
+def test_a_reader_who_has_seen_enough_is_no_error() -> None:
+    asked = f"{sys.executable} -m flightstack.cli completion bash | head -n 1"
+    answer = subprocess.run(
+        ["/bin/bash", "-c", asked], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert answer.stderr == ""
+
+
 def test_bash_takes_the_completion() -> None:
     asked = (
         f'eval "$({sys.executable} -m flightstack.cli completion bash)"; '
