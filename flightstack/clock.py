@@ -37,6 +37,7 @@ class VehicleClock:
         self._first_us: int | None = None
         self._anchor: tuple[int, float] | None = None  # the newest stamp, and when it was seen
         self._line: ClockLine | None = None
+        self._passed_us = 0  # of others, before the first stamp
         self.stamp_us = 0  # the newest stamp
         self.before_restart_us: int | None = None  # the newest stamp of the boot before this one
         self.elapsed_us = 0  # since the first stamp seen; never negative, even after a reboot
@@ -55,6 +56,11 @@ class VehicleClock:
             self._restart(self._anchor[0])
             self._set(stamp_us)
 
+    def forget(self) -> None:
+        """Forget the clock of a vehicle that was heard by mistake; the next stamp is the first."""
+        self._anchor = self._first_us = self._line = self.before_restart_us = None
+        self._passed_us, self.stamp_us = self.elapsed_us, 0
+
     def synchronise(self, line: ClockLine | None) -> None:
         """Tell time by a line from now on; None: by stamps alone."""
         self._line = line
@@ -71,7 +77,7 @@ class VehicleClock:
         if self._line is not None and stamp_us - self._line.at_us(now_s) > MAX_LEAD_US:
             self._line = None
         self.stamp_us = stamp_us
-        self.elapsed_us = max(0, stamp_us - self._first_us)
+        self.elapsed_us = self._passed_us + max(0, stamp_us - self._first_us)
 
     @property
     def started(self) -> bool:

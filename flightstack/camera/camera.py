@@ -5,6 +5,7 @@ import http.client
 import threading
 from collections.abc import Callable
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 
 import cv2
@@ -15,8 +16,10 @@ from flightstack.camera.mailbox import Arrival, Mailbox
 from flightstack.camera.multipart import MultipartSource, NotMultipartError
 from flightstack.camera.settings import CameraSettings
 from flightstack.camera.source import CameraSource
+from flightstack.camera.video.video_source import SCHEMES, open_video
+from flightstack.camera.video_device import is_device
 from flightstack.clock import VehicleClock
-from flightstack.errors import FlightstackError, LinkError
+from flightstack.errors import FlightstackError, LinkError, UsageError
 from flightstack.printable import printable
 
 REOPEN_S = 0.2  # wall time between attempts after a stream has broken
@@ -113,18 +116,38 @@ def open_camera(
     Of an address that is not the user's own word (`trusted`), streams alone are read: no files, no
     playlists, nothing that could lead elsewhere.
     """
+    if settings.device.asks and not (trusted and is_device(uri)):
+        raise UsageError(
+            f"--camera-size, --camera-rate and --camera-exposure-s: {uri} is no video device"
+        )
     seen_by = partial(_rectified, settings)
     try:
         if uri.startswith(("http://", "https://")):
             open_stream = seen_by(partial(MultipartSource, uri, clock, timeout_s=timeout_s))
             with contextlib.suppress(*(NotMultipartError,) if trusted else ()):
                 return Camera(open_stream(), open_stream)
+        if _is_video(uri):
+            open_port = seen_by(partial(open_video, uri, clock, timeout_s=timeout_s))
+            return Camera(open_port(), open_port)
         open_capture = seen_by(
-            partial(CaptureSource, uri, clock, trusted=trusted, timeout_s=timeout_s)
+            partial(
+                CaptureSource,
+                uri,
+                clock,
+                trusted=trusted,
+                timeout_s=timeout_s,
+                device=settings.device,
+            )
         )
         return Camera(open_capture(), None if Path(uri).is_file() else open_capture)
     except (OSError, ValueError, http.client.HTTPException, cv2.error) as error:
         raise LinkError(f"camera {uri} cannot be reached: {_reason(error)}") from error
+
+
+def _is_video(uri: str) -> bool:
+    """Whether PyAV is to read it; without PyAV, OpenCV reads all but bare RTP."""
+    scheme, colon, _ = uri.partition("://")
+    return bool(colon) and scheme in SCHEMES and (scheme == "rtp" or bool(find_spec("av")))
 
 
 def _rectified(

@@ -11,11 +11,14 @@ import numpy as np
 
 from flightstack.camera.mailbox import Arrival
 from flightstack.camera.picture_size import MAX_PIXELS
+from flightstack.camera.settings import DeviceSettings
+from flightstack.camera.video_device import is_device, open_device, taken_s
 from flightstack.clock import VehicleClock
 from flightstack.records import Image
 
 OPEN_TIMEOUT_S = 5.0
 READ_TIMEOUT_MS = 5000
+AS_IT_IS = DeviceSettings()
 DEFAULT_RATE_HZ = 20.0  # of a video file that does not say
 
 # What may be in a stream whose address the vehicle named: nothing that names another address.
@@ -39,13 +42,20 @@ class CaptureSource:
         *,
         trusted: bool = True,
         timeout_s: float = OPEN_TIMEOUT_S,
+        device: DeviceSettings = AS_IT_IS,
     ) -> None:
-        """Open a camera; of an address that is not trusted, streams alone are read."""
+        """Open a camera; of an address that is not trusted, streams alone are read.
+
+        Raises OSError where it cannot be, UsageError where a device does not do what it is asked.
+        """
         self._clock = clock
         self._count = 0
         self._closed = threading.Event()
         cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
-        if trusted:
+        self._is_device = trusted and is_device(uri)
+        if self._is_device:
+            self._capture = open_device(uri, device)
+        elif trusted:
             self._capture = _open(uri, timeout_s)
         else:
             with _streams_only():
@@ -69,8 +79,10 @@ class CaptureSource:
             raise OSError(0, "the camera gives no more frames")
         self._count += 1
         rgb = np.asarray(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB), np.uint8)
-        image = Image(stamp_us=self._clock.now_us(), sequence=self._count, rgb=rgb)
-        return Arrival(image, received_s, stamped=False)
+        exposed_s = taken_s(self._capture, received_s) if self._is_device else None
+        known_s = received_s if exposed_s is None else exposed_s
+        image = Image(stamp_us=self._clock.at_us(known_s), sequence=self._count, rgb=rgb)
+        return Arrival(image, received_s, stamped=False, taken_s=exposed_s)
 
     def close(self) -> None:
         """End reading; a `read` that waits in another thread returns with an error."""
@@ -97,8 +109,6 @@ def _streams_only() -> Iterator[None]:
 
 
 def _open(uri: str, timeout_s: float) -> cv2.VideoCapture:
-    if uri.isdecimal():
-        return cv2.VideoCapture(int(uri))
     return _open_address(uri, timeout_s) if "://" in uri else cv2.VideoCapture(uri)
 
 

@@ -3,7 +3,7 @@
 import argparse
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,8 +14,9 @@ from flightstack.errors import FlightstackError, UsageError
 from flightstack.printable import printable
 
 if TYPE_CHECKING:
-    from flightstack.companion.flight import FlightPlan
+    from flightstack.companion.console import Console
     from flightstack.companion.guards.limits import FlightLimits
+    from flightstack.companion.opening.steps import FlightPlan
     from flightstack.companion.piloting.protocols import GuardedPilot
     from flightstack.companion.pilots.choice import PilotChoice
     from flightstack.mavlink.motion import MotionHistory
@@ -44,6 +45,7 @@ def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--udp", metavar="PORT", help="listen on this UDP port (default 14540)")
     where.add_argument("--connect", metavar="STRING", help="connection string, see below")
+    add("--system", type=_system, metavar="N", help="of the vehicle (first that has a camera)")
     add("--model", help=f"which model flies (default {DEFAULT_MODEL})")
     add("--strategy", help="how it decides (default: the model's); yours as my_package:MyStrategy")
     add("--perception", metavar="NAME", help="your own instead of the model's")
@@ -61,6 +63,7 @@ def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
     add("--log", type=Path, metavar="PATH", help="tlog (default logs/companion-<UTC>.tlog)")
     add("--signing-key", type=Path, metavar="FILE", help="sign, and heed only what is signed")
     add("--record-frames", action="store_true", help="keep each frame as PNG, in LOG.frames")
+    add("--check", action="store_true", help="do all but fly, and say what is missing")
     add("--json", action="store_true", help="last line of output: the result as JSON")
     add_camera_options(parser)
     _add_limits(parser)
@@ -119,6 +122,8 @@ def _fly(arguments: argparse.Namespace) -> int:
         return load(choice, motion)
 
     console = Console(verbosity=int(arguments.verbose) - int(arguments.quiet))
+    if arguments.check:
+        return _check(plan, load_pilot, choice, console, as_json=arguments.json)
     with ending_at_once():
         summary = fly(plan, load_pilot, console)
     if arguments.json:
@@ -127,6 +132,23 @@ def _fly(arguments: argparse.Namespace) -> int:
     else:
         print(summary.to_text(), flush=True)
     return summary.exit_code
+
+
+def _check(
+    plan: "FlightPlan",
+    load_pilot: "Callable[[MotionHistory], GuardedPilot]",
+    choice: "PilotChoice",
+    console: "Console",
+    *,
+    as_json: bool,
+) -> int:
+    from flightstack.companion.readiness.check import check  # noqa: PLC0415
+    from flightstack.companion.signals import ending_at_once  # noqa: PLC0415
+
+    with ending_at_once():
+        found = check(plan, load_pilot, choice.model or f"{choice.pilot}", console)
+    print(found.to_json() if as_json else printable(found.to_text(), keep="\n"), flush=True)
+    return 0 if found.is_ready else 1
 
 
 def _choice(arguments: argparse.Namespace) -> "PilotChoice":
@@ -146,7 +168,7 @@ def _choice(arguments: argparse.Namespace) -> "PilotChoice":
 
 
 def _plan(arguments: argparse.Namespace) -> "FlightPlan":
-    from flightstack.companion.flight import FlightPlan  # noqa: PLC0415
+    from flightstack.companion.opening.steps import FlightPlan  # noqa: PLC0415
     from flightstack.mavlink.endpoint import parse_endpoint  # noqa: PLC0415
     from flightstack.mavlink.signing import load_key  # noqa: PLC0415
 
@@ -165,6 +187,7 @@ def _plan(arguments: argparse.Namespace) -> "FlightPlan":
         reach_s=arguments.reach,
         limits=_limits(arguments),
         speed_scale=arguments.speed_scale,
+        system=arguments.system,
         timeout_s=arguments.timeout,
         signing_key=None if arguments.signing_key is None else load_key(arguments.signing_key),
     )
@@ -203,6 +226,13 @@ def _positive(text: str) -> float:
     value = float(text)
     if not (math.isfinite(value) and value > 0):
         raise argparse.ArgumentTypeError(f"{text} is not a number above 0")
+    return value
+
+
+def _system(text: str) -> int:
+    value = int(text)
+    if not 1 <= value <= 255:
+        raise argparse.ArgumentTypeError(f"{text} is no MAVLink system: 1 to 255")
     return value
 
 

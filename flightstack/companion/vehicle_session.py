@@ -4,14 +4,16 @@ from pymavlink.dialects.v20 import common
 
 from flightstack.companion.mission.records import MissionRequest
 from flightstack.mavlink import commands
+from flightstack.mavlink.clock.timesync import Timesync
 from flightstack.mavlink.commands import CommandLong, CommandRefusal, CommandSender
 from flightstack.mavlink.course_download import CourseDownload
 from flightstack.mavlink.heartbeat import HeartbeatSender
+from flightstack.mavlink.identity import VehicleIdentity
 from flightstack.mavlink.link import Link, Message
 from flightstack.mavlink.motion import MotionHistory
 from flightstack.mavlink.offboard import Velocities, velocity_setpoint
+from flightstack.mavlink.parameter_reader import ParameterReader
 from flightstack.mavlink.telemetry import StatusText, Telemetry, TelemetryReceiver
-from flightstack.mavlink.timesync import Timesync
 from flightstack.mavlink.uncertainty import UncertaintyPublisher
 from flightstack.px4_modes import Px4Mode
 from flightstack.records import Decision, Image
@@ -32,6 +34,7 @@ class VehicleSession:
         self.link = link
         self.setpoints = 0  # sent so far
         self.timesync = Timesync(link)
+        self.parameters: ParameterReader | None = None  # where somebody wants to know some
         self._takeoff_altitude_m = takeoff_altitude_m
         self._receiver = TelemetryReceiver(link.clock)
         self._commands = CommandSender(link)
@@ -75,12 +78,22 @@ class VehicleSession:
             number = message.get_msgId()
             if number in COURSE_ITEMS:
                 self._download.take(message)
+            elif number == common.MAVLINK_MSG_ID_PARAM_VALUE and self.parameters is not None:
+                self.parameters.take(message)
             elif number == common.MAVLINK_MSG_ID_TIMESYNC:
                 self.timesync.take(message)
             elif number != common.MAVLINK_MSG_ID_COMMAND_ACK:
                 self._receiver.update(message)
             elif refusal := self._commands.acknowledge(message):
                 self._refusals.append(refusal)
+
+    def turn_to(self, vehicle: VehicleIdentity) -> None:
+        """Speak with this one, and forget all that another has said."""
+        self.link.turn_to(vehicle)
+        self._receiver.forget()
+        self.timesync.begin_anew()
+        self._commands = CommandSender(self.link)
+        self._refusals.clear()
 
     def take_restart(self) -> int | None:
         """Return the last time before the vehicle restarted, where it has since the last call."""
@@ -116,6 +129,8 @@ class VehicleSession:
         self._refusals += self._commands.poll(now_us)
         if self.timesync.wanted:
             self.timesync.poll()
+        if self.parameters is not None:
+            self.parameters.poll()
 
     def download_course(self, now_us: int) -> None:
         """Have the gates listed for the log, where there is a referee."""

@@ -1,7 +1,8 @@
 """Speak MAVLink with one vehicle: every packet is logged, only what is needed is decoded.
 
-The first autopilot heard (component 1, a HEARTBEAT that names an autopilot) is the vehicle. From
-then on datagrams from other addresses are dropped, so that nobody else can pose as it by port.
+The first PX4 heard (component 1, a HEARTBEAT that names an autopilot) is taken for the vehicle, and
+the others are remembered, until the choice is settled. From then on datagrams from other addresses
+are dropped, so that nobody else can pose as it by port.
 Under a signing key, what is not signed with it is refused and not even logged. Messages that need
 no signature are logged but not heeded: a forged HEARTBEAT could end a flight. A PX4 whose clock has
 stood still while it was off signs with old timestamps. It is not believed, but spoken to: our own
@@ -9,12 +10,12 @@ HEARTBEAT tells it the time, as the signing protocol has it.
 """
 
 from collections import Counter
-from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from pymavlink.dialects.v20 import common
 
 from flightstack.clock import VehicleClock
+from flightstack.mavlink.identity import VehicleIdentity, speaks_for_a_vehicle
 from flightstack.mavlink.packets import identify, is_signed
 from flightstack.mavlink.signing import Signing, Verdict
 from flightstack.mavlink.tlog import TlogWriter
@@ -53,17 +54,8 @@ COALESCED = frozenset(
     }
 )
 NOBODY = -1
-NO_VEHICLES = frozenset(
-    {
-        common.MAV_TYPE_ANTENNA_TRACKER,
-        common.MAV_TYPE_GCS,
-        common.MAV_TYPE_ONBOARD_CONTROLLER,
-        common.MAV_TYPE_GIMBAL,
-        common.MAV_TYPE_ADSB,
-        common.MAV_TYPE_CAMERA,
-    }
-)
 NOTHING: frozenset[int] = frozenset()
+MAX_HEARD = 32  # autopilots: of more, nobody chooses
 WANTED = {
     AUTOPILOT_COMPONENT: frozenset(
         {
@@ -96,16 +88,6 @@ WANTED = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class VehicleIdentity:
-    """Who the link speaks with."""
-
-    system_id: int
-    autopilot: int  # MAV_AUTOPILOT
-    address: Address | None
-    signs: bool = False  # its messages
-
-
 class Link:
     """The companion's end of the link; for one thread."""
 
@@ -116,7 +98,9 @@ class Link:
         clock: VehicleClock,
         *,
         signing: Signing | None = None,
+        system: int | None = None,
     ) -> None:
+        """Listen; `system` is the only one that may be the vehicle."""
         self.tlog = tlog
         self.clock = clock
         self.vehicle: VehicleIdentity | None = None
@@ -124,6 +108,9 @@ class Link:
         self._signing = signing
         self._stale_address: Address | None = None  # of one who may be the vehicle
         self._vehicle_system = NOBODY
+        self._wanted_system = system
+        self._settled = False
+        self.heard: list[VehicleIdentity] = []  # autopilots, until one of them is settled on
         self._transport = transport
         self._heard_s = clock.wall_s()
         self.restarts = 0  # of the vehicle, by its own stamps
@@ -157,7 +144,7 @@ class Link:
         """Take in all that has arrived; return the decoded messages that the companion uses."""
         messages: list[Message] = []
         for packets, address in self._transport.receive():
-            if self.vehicle is not None and address != self.vehicle.address:
+            if self._settled and self.vehicle is not None and address != self.vehicle.address:
                 continue
             for packet in packets:
                 if self._signing is None or self._admits(packet, address, self._signing):
@@ -174,6 +161,26 @@ class Link:
         if self._transport.send(b"".join(packets), address):
             for packet in packets:
                 self.tlog.append(self.clock.elapsed_us, packet)
+
+    @property
+    def candidates(self) -> list[VehicleIdentity]:
+        """Who of those heard may be the vehicle, in that order."""
+        return [each for each in self.heard if self._may_be_the_vehicle(each)]
+
+    def turn_to(self, vehicle: VehicleIdentity) -> None:
+        """Speak with this one from now on, and forget what another has said of itself."""
+        if self.vehicle is not None:
+            self.clock.forget()
+            self._jumped_us, self._boot_us = None, 0
+            self.others.clear()
+            self._newest.clear()
+        self.vehicle, self._vehicle_system = vehicle, vehicle.system_id
+
+    def settle(self) -> None:
+        """Hear nobody else from now on."""
+        self._settled = True
+        if self.vehicle is not None:
+            self._transport.listen_only_to(self.vehicle.address)
 
     def heed(self, number: int) -> None:
         """Decode a further message of the autopilot's from now on."""
@@ -204,9 +211,9 @@ class Link:
 
     def _take(self, packet: bytes, address: Address | None, messages: list[Message]) -> None:
         number, system, component = identify(packet)
-        if self.vehicle is None:
+        if not self._settled:
             self._meet(packet, number, (system, component), address)
-        if system != self._vehicle_system:
+        if system != self._vehicle_system or self._is_elsewhere(address):
             self.tlog.append(self.clock.elapsed_us, packet)
             return
         if component == AUTOPILOT_COMPONENT:
@@ -229,12 +236,19 @@ class Link:
             return
         decoded: list[Message] = []
         self._decode(packet, decoded)
-        if decoded and _speaks_for_a_vehicle(decoded[0]):
-            self.vehicle = VehicleIdentity(
-                source[0], decoded[0].autopilot, address, is_signed(packet)
-            )
-            self._vehicle_system = source[0]
-            self._transport.listen_only_to(address)
+        if not decoded or not speaks_for_a_vehicle(decoded[0]):
+            return
+        met = VehicleIdentity(source[0], decoded[0].autopilot, address, is_signed(packet))
+        if met not in self.heard and len(self.heard) < MAX_HEARD:
+            self.heard.append(met)
+        if self.vehicle is None and self._may_be_the_vehicle(met):
+            self.turn_to(met)
+
+    def _may_be_the_vehicle(self, met: VehicleIdentity) -> bool:
+        return met.is_px4 and self._wanted_system in (None, met.system_id)
+
+    def _is_elsewhere(self, address: Address | None) -> bool:
+        return self.vehicle is not None and address != self.vehicle.address
 
     def _observe_stamp(self, packet: bytes) -> None:
         begin = HEADER_V2 if packet[0] == MAGIC_V2 else HEADER_V1
@@ -266,9 +280,3 @@ class Link:
             messages.append(self._protocol.decode(bytearray(packet)))
         except common.MAVError:  # a field that the dialect refuses
             return
-
-
-def _speaks_for_a_vehicle(heartbeat: Message) -> bool:
-    """Whether an autopilot sends this, of something that flies or drives."""
-    is_autopilot = heartbeat.autopilot != common.MAV_AUTOPILOT_INVALID
-    return is_autopilot and heartbeat.type not in NO_VEHICLES

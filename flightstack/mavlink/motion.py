@@ -41,6 +41,11 @@ class MotionHistory:
         self._attitudes: deque[_Attitude] = deque(maxlen=KEPT)
         self._places: deque[_Place] = deque(maxlen=KEPT)
 
+    def forget(self) -> None:
+        """Forget the motion of another vehicle."""
+        self._attitudes.clear()
+        self._places.clear()
+
     def note_attitude(self, message: Message) -> None:
         """Take ATTITUDE."""
         angles = (message.roll, message.pitch, message.yaw)

@@ -141,6 +141,14 @@ class TelemetryReceiver:
         """Forget all that a vehicle has said before it restarted, but for the course."""
         self.latest = Telemetry(course=self.latest.course)
 
+    def forget(self) -> None:
+        """Forget another vehicle altogether."""
+        self.latest, self._kind = Telemetry(), None
+        self.stream_uri = self.stream_hz = None
+        self._texts.clear()
+        self._chunks.clear()
+        self.motion.forget()
+
     def drain_texts(self) -> list[StatusText]:
         """Return the whole texts since the last call."""
         texts, self._texts = self._texts, []

@@ -12,6 +12,7 @@ HEAVY = ("torch", "pybullet", "cv2", "scipy", "pymavlink", "matplotlib", "pyarro
 COMMANDS = (
     *("sitl", "flightstack.companion", "flightstack.launch"),
     *("flightstack.training", "flightstack.evaluation", "flightstack.logs", "flightstack.cli"),
+    "flightstack.calibration",
 )
 REPORT_LOADED = """
 import runpy, sys

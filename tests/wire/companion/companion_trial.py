@@ -11,7 +11,8 @@ import numpy as np
 from pymavlink import mavutil
 
 from flightstack.companion.console import Console
-from flightstack.companion.flight import FlightPlan, fly
+from flightstack.companion.flight import fly
+from flightstack.companion.opening.steps import FlightPlan
 from flightstack.companion.piloting.in_process import InProcessPilot
 from flightstack.companion.summary import FlightSummary
 from flightstack.mavlink.endpoint import parse_endpoint
@@ -69,11 +70,15 @@ class Trial:
 
     def fly(self) -> FlightSummary:
         with self.vehicle:
-            return fly(
-                self.plan,
-                lambda _motion: InProcessPilot(self.pilot),
-                Console(verbosity=1, stream=self.output),
-            )
+            return self.fly_alone()
+
+    def fly_alone(self) -> FlightSummary:
+        """Fly whatever is there by itself."""
+        return fly(
+            self.plan,
+            lambda _motion: InProcessPilot(self.pilot),
+            Console(verbosity=1, stream=self.output),
+        )
 
 
 def read_tlog(path: Path) -> Iterator[Any]:

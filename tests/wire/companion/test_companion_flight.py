@@ -13,8 +13,9 @@ import pytest
 from pymavlink.dialects.v20 import common
 
 from flightstack.companion.console import Console
-from flightstack.companion.flight import FlightPlan, fly
+from flightstack.companion.flight import fly
 from flightstack.companion.mission.records import Outcome
+from flightstack.companion.opening.steps import FlightPlan
 from flightstack.errors import LinkError
 from flightstack.mavlink.endpoint import parse_endpoint
 from tests.wire.companion.companion_trial import (
@@ -240,8 +241,8 @@ def test_a_vehicle_without_camera_is_told(tmp_path: Path) -> None:
 
 
 def test_an_autopilot_that_is_no_px4_is_told(tmp_path: Path) -> None:
-    with pytest.raises(LinkError, match="no PX4"):
-        Trial(tmp_path, Script(autopilot=3)).fly()
+    with pytest.raises(LinkError, match=r"looked past: system 1 at .*, an ArduPilot"):
+        Trial(tmp_path, Script(autopilot=3), timeout_s=1.0).fly()
 
 
 def test_a_signal_lands_first(tmp_path: Path) -> None:

@@ -14,7 +14,8 @@ import pytest
 from pymavlink.dialects.v20 import common
 
 from flightstack.companion.console import Console
-from flightstack.companion.flight import FlightPlan, fly
+from flightstack.companion.flight import fly
+from flightstack.companion.opening.steps import FlightPlan
 from flightstack.logs import read
 from flightstack.mavlink.endpoint import parse_endpoint
 from flightstack.mavlink.tlog import TlogWriter

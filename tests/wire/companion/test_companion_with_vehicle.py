@@ -12,8 +12,9 @@ import pytest
 from pymavlink import mavutil
 
 from flightstack.companion.console import Console
-from flightstack.companion.flight import FlightPlan, fly
+from flightstack.companion.flight import fly
 from flightstack.companion.mission.records import Outcome
+from flightstack.companion.opening.steps import FlightPlan
 from flightstack.companion.piloting.in_process import InProcessPilot
 from flightstack.companion.summary import FlightSummary
 from flightstack.launch.instances import API_PORT, free_instance

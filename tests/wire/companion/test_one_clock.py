@@ -12,7 +12,7 @@ import pytest
 from flightstack.camera.camera import Camera
 from flightstack.camera.stamps import StampCheck
 from flightstack.clock import VehicleClock
-from flightstack.companion.discovery import listen, wait_for_camera, wait_for_vehicle
+from flightstack.companion.opening.discovery import listen, wait_for_camera, wait_for_vehicle
 from flightstack.companion.vehicle_session import VehicleSession
 from flightstack.companion.waiting import wait_for_any
 from flightstack.launch.instances import free_instance

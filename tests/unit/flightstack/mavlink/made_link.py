@@ -53,12 +53,14 @@ class Wall:
 class MadeLink:
     """A link, its clock, and the vehicle's mouth."""
 
-    def __init__(self, folder: Path, signing: Signing | None = None) -> None:
+    def __init__(
+        self, folder: Path, signing: Signing | None = None, *, system: int | None = None
+    ) -> None:
         self.transport = MemoryTransport()
         self.wall = Wall()
         self.clock = VehicleClock(self.wall)
         self.tlog = TlogWriter(folder / "link.tlog", self.wall)
-        self.link = Link(self.transport, self.tlog, self.clock, signing=signing)
+        self.link = Link(self.transport, self.tlog, self.clock, signing=signing, system=system)
 
     def say(
         self, message: Any, system: int = 3, component: int = 1, address: Address = VEHICLE

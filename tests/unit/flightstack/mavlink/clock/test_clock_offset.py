@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flightstack.mavlink.clock_offset import MIN_TRIPS, ClockOffset
+from flightstack.mavlink.clock.clock_offset import MIN_TRIPS, ClockOffset
 
 PERIOD_S = 0.1
 OFFSET_S = -812.25

@@ -7,7 +7,7 @@ without an answer: what is sent from here carries its own time already.
 
 from pymavlink.dialects.v20 import common
 
-from flightstack.mavlink.clock_offset import MAX_TRIP_S, ClockOffset, ClockQuality
+from flightstack.mavlink.clock.clock_offset import MAX_TRIP_S, ClockOffset, ClockQuality
 from flightstack.mavlink.link import Link, Message
 
 PERIOD_S = 0.1  # wall time; MAVROS's timesync_rate, 10 Hz

@@ -1,0 +1,7 @@
+"""python -m flightstack.calibration."""
+
+import sys
+
+from flightstack.calibration.cli import main
+
+sys.exit(main())

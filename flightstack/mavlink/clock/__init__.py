@@ -1,0 +1,1 @@
+"""The vehicle's clock, by TIMESYNC: asked for, and fitted between the bounds that answers leave."""
