@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 REBOOT_US = 5_000_000  # a stamp further back than this is a new boot, not one that comes late
-
 MAX_LEAD_US = 50_000  # of telemetry, which can only be late: beyond that the line is wrong
 
 
@@ -62,8 +61,13 @@ class VehicleClock:
         self._passed_us, self.stamp_us = self.elapsed_us, 0
 
     def synchronise(self, line: ClockLine | None) -> None:
-        """Tell time by a line from now on; None: by stamps alone."""
-        self._line = line
+        """Tell time by a line from now on; None, or one that no stamp agrees with: by stamps."""
+        self._line = None
+        now_s = self.wall_s()
+        if line is None or not self.started:
+            self._line = line
+        elif abs(line.at_us(now_s) - self.at_us(now_s)) < REBOOT_US:
+            self._line = line
 
     def _restart(self, before_us: int) -> None:
         self.before_restart_us = before_us
