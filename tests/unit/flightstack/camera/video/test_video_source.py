@@ -53,8 +53,8 @@ class CameraOnTheNet:
 
 
 def width(rgb: Rgb) -> int:
-    bright: int = np.count_nonzero(rgb[rgb.shape[0] // 2, :, 0] > 100)
-    return bright * SIZE_PX // rgb.shape[1]
+    bright = int(np.count_nonzero(rgb[rgb.shape[0] // 2, :, 0] > 100))
+    return bright * SIZE_PX // int(rgb.shape[1])
 
 
 def images(camera: Camera, count: int) -> Iterator[Arrival]:
