@@ -79,6 +79,6 @@ def test_images_without_stamps_agree_with_telemetry_over_a_link_that_jitters(
     assert quality is not None
     assert quality.round_trip_s == pytest.approx(0.08, abs=0.02)
     assert len(by_timesync) > 0.7 * 20 * LOOK_S
-    assert abs(np.median(by_timesync)) < 5.0
-    assert np.percentile(np.abs(by_timesync), 80) < 5.0
+    earliest, middle = np.percentile(by_timesync, (10, 50))
+    assert -5.0 < earliest < middle < 5.0  # a busy machine hands some on late, none early
     assert np.median(by_telemetry) < -8.0  # what the link alone takes
