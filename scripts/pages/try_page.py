@@ -36,9 +36,10 @@ SMALLER = (  # what to put in the place of what, where a page is only tried
     (re.compile(r"--tracks \d+"), "--tracks 1 --jobs 1"),
     (re.compile(r"--laps \d+"), "--laps 1"),
     (re.compile(r"(--rungs \S+)(?: (?!-)\S+)+"), r"\1"),
-    (re.compile(r"--images \d+"), "--images 60"),
+    (re.compile(r"--images \d+"), "--images 150"),
     (re.compile(r"--epochs \d+"), "--epochs 1"),
 )
+UNLEARNED = (re.compile(r'^(base = "\w+")$', re.MULTILINE), r"\1\ntraining.must_learn = false")
 SHIMS = {  # where nothing is installed: this checkout by this Python
     "bin/python": f'exec {shlex.quote(sys.executable)} "$@"',
     "bin/flightstack": f'PYTHONPATH="$PYTHONPATH:{ROOT}" exec {shlex.quote(sys.executable)} '
@@ -92,7 +93,8 @@ def script_of(steps: list[Step], *, smaller: bool) -> str:
         lines += [f"git clone --quiet {shlex.quote(str(ROOT))} flightstack", "cd flightstack"]
     for step in steps:
         if step.kind == "file":
-            lines += [f"echo '+ {step.file}'", _here(f"cat > {shlex.quote(step.file)}", step.text)]
+            text = UNLEARNED[0].sub(UNLEARNED[1], step.text) if smaller else step.text
+            lines += [f"echo '+ {step.file}'", _here(f"cat > {shlex.quote(step.file)}", text)]
             continue
         if step.kind == "python":
             lines += ["echo '+ python'", _here(PYTHON, step.text)]
@@ -133,6 +135,7 @@ def try_page(page: Path, *, smaller: bool) -> int:
 
 
 def _lay_shims(folder: Path) -> None:
+    (folder / "docs").symlink_to(ROOT / "docs")
     for name, line in SHIMS.items():
         path = folder / name
         path.parent.mkdir(exist_ok=True)
