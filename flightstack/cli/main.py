@@ -1,6 +1,7 @@
 """`flightstack COMMAND`: find the command, give it its options, from a file too, and run it."""
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 
@@ -21,13 +22,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     name = _parse_name(words[:1])
     try:
-        return _run(name, words[1:])
+        code = _run(name, words[1:])
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader, such as head, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except Exception as error:
-        code = getattr(error, "exit_code", None)  # the vehicle's errors are no kin of ours
-        if code is None:
+        if not hasattr(error, "exit_code"):  # the vehicle's errors are no kin of ours
             raise
         print(f"{program_of(name)}: {error}", file=sys.stderr)
-        return int(code)
+        code = int(error.exit_code)
+    return code
 
 
 def build_parser() -> argparse.ArgumentParser:

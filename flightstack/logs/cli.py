@@ -87,6 +87,12 @@ def _add_why(parser: argparse.ArgumentParser) -> None:
     add("-o", "--output", type=_path, metavar="PNG", help="draw the strip")
 
 
+def _add_video(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("-o", "--output", type=_path, metavar="MP4", help="default beside the log")
+    add("--frames", type=_path, metavar="FOLDER", help="recorded frames; default LOG.frames")
+
+
 def _add_export(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--format", choices=("csv", "parquet", "mcap"), help="default: by the output's ending")
@@ -127,6 +133,7 @@ COMMANDS = {
     "report": LogCommand("one HTML page with all of the flight", _add_report),
     "check": LogCommand("health checks, worst first", _add_check),
     "why": LogCommand("the seconds before a gate was missed", _add_why),
+    "video": LogCommand("a film: what the camera saw and was decided, and the path", _add_video),
     "export": LogCommand("CSV, Parquet, or MCAP for Foxglove", _add_export),
     "compare": LogCommand("two logs side by side", _add_compare),
     "follow": LogCommand(

@@ -42,8 +42,9 @@ STAMPED = frozenset(
     }
 )
 STAMP_BYTES = 4
-RESTART_US = 2_000_000  # back in telemetry: no link keeps a packet for so long
-JUMP_US = 600_000_000  # ahead: further than any outage that a flight outlasts
+STEP_US = 2_000_000  # between two stamps, either way: no link keeps a packet for longer
+OUTAGE_US = 600_000_000  # ahead: further than any outage that a flight outlasts
+UNBROKEN_S = 0.5  # wall time: while a vehicle's stamps go on so often, it has not restarted
 HEARTBEAT_TYPE = 4  # where its type stands
 # Only the newest of these matters: they are decoded once a drain.
 COALESCED = frozenset(
@@ -116,6 +117,7 @@ class Link:
         self.restarts = 0  # of the vehicle, by its own stamps
         self.others: dict[int, int] = {}  # MAV_TYPE of each further component of its system
         self._jumped_us: int | None = None  # the last stamp, where it does not go on
+        self._went_on_s = clock.wall_s()  # when one last did
         self._boot_us = 0  # its newest stamp
         self._protocol = common.MAVLink(None, srcSystem=1, srcComponent=COMPANION_COMPONENT)
         self._newest: dict[int, bytes] = {}
@@ -256,18 +258,28 @@ class Link:
         stamp_us = int.from_bytes(packet[begin:end], "little") * 1000
         if not self._goes_on(stamp_us):
             return
-        if self._boot_us - stamp_us > RESTART_US:
+        if self._boot_us - stamp_us > STEP_US:
             self.restarts += 1
             self.clock.begin_anew(stamp_us)
         self._boot_us = stamp_us
         self.clock.observe(stamp_us)
 
     def _goes_on(self, stamp_us: int) -> bool:
-        """Whether a stamp goes on from the newest, or from a jump: one that jumps alone is none."""
-        ahead_us, jumped_us = stamp_us - self._boot_us, self._jumped_us
-        jumps = self.clock.started and not -RESTART_US <= ahead_us <= JUMP_US
-        self._jumped_us = stamp_us if jumps else None
-        return not jumps or (jumped_us is not None and abs(stamp_us - jumped_us) <= RESTART_US)
+        """Whether to believe a stamp, where nobody's odd packets shall move the vehicle's clock.
+
+        It may be heard again after an outage: by two stamps that agree, or after a silence. And it
+        may have restarted: by two that agree after a silence, not while its old time goes on.
+        """
+        ahead_us = stamp_us - self._boot_us
+        if not self.clock.started or -STEP_US <= ahead_us <= STEP_US:
+            self._jumped_us, self._went_on_s = None, self.clock.wall_s()
+            return True
+        agrees = self._jumped_us is not None and abs(stamp_us - self._jumped_us) <= STEP_US
+        self._jumped_us = stamp_us
+        was_silent = self.clock.wall_s() - self._went_on_s > UNBROKEN_S
+        if 0 < ahead_us <= OUTAGE_US:
+            return agrees or was_silent
+        return agrees and was_silent
 
     def _note_other(self, packet: bytes, component: int) -> None:
         """Remember who else beats as part of the vehicle's system."""

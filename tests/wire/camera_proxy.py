@@ -16,6 +16,8 @@ HOST = "127.0.0.1"
 CAMERA_PORT = 8090  # + instance
 PART_END = b"\r\n--frame\r\n"
 LENGTH = re.compile(rb"Content-Length: \d+")
+STAMP = re.compile(rb"X-Timestamp: ([0-9.]+)\r\n")
+NUMBER = re.compile(rb"X-Sequence: ([0-9]+)")
 Change = Callable[[int, bytes], bytes | None]  # number and part: what is sent; None: hang up
 
 
@@ -89,3 +91,17 @@ def of_pictures(change: Callable[[Rgb], Rgb]) -> Change:
         return LENGTH.sub(b"Content-Length: %d" % len(coded), head) + gap + coded
 
     return changed
+
+
+class Unstamped:
+    """Takes the stamps off a stream, and keeps them for the test."""
+
+    def __init__(self) -> None:
+        self.true_us: dict[int, int] = {}  # by the image's number
+
+    def __call__(self, _number: int, part: bytes) -> bytes:
+        stamp, number = STAMP.search(part), NUMBER.search(part)
+        if stamp is None or number is None:
+            return part
+        self.true_us[int(number[1])] = round(float(stamp[1]) * 1e6)
+        return STAMP.sub(b"", part)

@@ -27,6 +27,8 @@ def advance(status: MissionStatus, situation: Situation, now_us: int) -> Step:
     if status.entered_us is None or hold != status.hold:
         entered_us = now_us if status.entered_us is None else status.entered_us
         status = replace(status, entered_us=entered_us, hold=hold)
+    if situation.restarted_us is not None:  # its clock has begun anew, and so do our waits
+        status = replace(status, entered_us=now_us, requested_us=None)
     status, event = read(status, situation, now_us)
     if event is None:
         return status, ()

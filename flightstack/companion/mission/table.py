@@ -164,7 +164,7 @@ TRANSITIONS: dict[MissionPhase, dict[MissionEvent, Transition]] = {
         E.OFFBOARD_SEEN: Transition(P.LANDING, R.LAND),  # a failsafe has recovered: nobody steers
     },
     P.REACHING: {
-        E.VEHICLE_RESTARTED: Transition(P.DONE, None, Outcome.RESTARTED),
+        E.VEHICLE_RESTARTED: Transition(P.REACHING, R.LAND, Outcome.RESTARTED),
         E.PHASE_TOO_LONG: Transition(P.DONE),
         E.VEHICLE_SILENT: Transition(P.REACHING, R.LAND, Outcome.LINK_LOST),
         E.DISARMED: Transition(P.DONE),

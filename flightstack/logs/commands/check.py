@@ -6,9 +6,9 @@ from pathlib import Path
 
 from flightstack.logs.checks import Level, run_checks
 from flightstack.logs.columns.segments import is_large
-from flightstack.logs.commands.opening import open_flight, use_checks
 from flightstack.logs.facts.values import Facts
 from flightstack.logs.facts.whole_log import summary_of
+from flightstack.logs.given.opening import open_flight, use_checks
 from flightstack.logs.text.summary_text import check_lines
 
 

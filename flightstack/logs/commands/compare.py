@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from flightstack.logs.checks import run_checks
-from flightstack.logs.commands.opening import open_flight
 from flightstack.logs.facts.summary import summarise
 from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.parameters import read_parameters
+from flightstack.logs.given.opening import open_flight
 from flightstack.printable import printable
 
 SKIPPED = ("log", "texts", "modes", "armed", "links", "damage", "checks", "failsafes", "counts")

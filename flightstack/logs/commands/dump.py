@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.reading import read
 from flightstack.logs.columns.segments import is_large, logs_of
-from flightstack.logs.commands.arguments import names_in, writing
 from flightstack.logs.errors import LogFileError
+from flightstack.logs.given.arguments import names_in, writing
 from flightstack.logs.text.lines import LineOptions, csv_columns, lines
 from flightstack.logs.tlog.packets import NO_TIME
 from flightstack.mavlink_numbers import LINK_BITS

@@ -10,8 +10,8 @@ from pathlib import Path
 from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.reading import read
 from flightstack.logs.columns.segments import is_large, logs_of
-from flightstack.logs.commands.arguments import names_in, writing
 from flightstack.logs.errors import LogFileError
+from flightstack.logs.given.arguments import names_in, writing
 
 ENDINGS = {"csv": "", "parquet": "", "mcap": ".mcap"}  # of the default output beside the log
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from flightstack.logs.columns.live import GrowingFile, PieceReader, at_times, open_link
 from flightstack.logs.columns.log import Log
-from flightstack.logs.commands.arguments import names_in
 from flightstack.logs.facts.events import LiveEvents
 from flightstack.logs.facts.values import Facts
+from flightstack.logs.given.arguments import names_in
 from flightstack.logs.text.lines import LineOptions, lines
 from flightstack.printable import printable
 

@@ -4,9 +4,9 @@ import json
 from argparse import Namespace
 from fnmatch import fnmatchcase
 
-from flightstack.logs.commands.opening import flights_of
 from flightstack.logs.errors import UnknownNameError
 from flightstack.logs.flight.parameters import Change, LoggedParameters, Value, read_parameters
+from flightstack.logs.given.opening import flights_of
 from flightstack.logs.nearest import did_you_mean
 from flightstack.printable import printable
 

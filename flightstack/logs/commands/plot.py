@@ -9,10 +9,10 @@ import numpy as np
 
 from flightstack.libraries import load_pyplot
 from flightstack.logs.columns.expression import series
-from flightstack.logs.commands.arguments import writing
-from flightstack.logs.commands.opening import open_flight
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight.flight import Flight
+from flightstack.logs.given.arguments import writing
+from flightstack.logs.given.opening import open_flight
 from flightstack.logs.report.plotting import mode_colour
 
 ENDINGS = (".png", ".svg", ".pdf")

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from flightstack.logs.alignment.alignment import align
 from flightstack.logs.checks import run_checks
-from flightstack.logs.commands.arguments import check_folder, writing
-from flightstack.logs.commands.opening import open_flight, use_checks
 from flightstack.logs.flight.flight import Flight
+from flightstack.logs.given.arguments import check_folder, writing
+from flightstack.logs.given.opening import open_flight, use_checks
 from flightstack.logs.report.beside_figure import BesideLog, beside_facts
 from flightstack.logs.report.page import make_page
 

@@ -5,11 +5,11 @@ import sys
 from argparse import Namespace
 from functools import partial
 
-from flightstack.logs.commands.many_logs import for_each
-from flightstack.logs.commands.opening import logs_in, use_checks
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.facts.values import Facts
 from flightstack.logs.facts.whole_log import summary_of
+from flightstack.logs.given.many_logs import for_each
+from flightstack.logs.given.opening import logs_in, use_checks
 from flightstack.logs.progress import progress
 from flightstack.logs.text.summary_text import one_line, page
 from flightstack.printable import printable

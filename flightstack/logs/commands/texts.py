@@ -3,8 +3,8 @@
 import json
 from argparse import Namespace
 
-from flightstack.logs.commands.opening import flights_of
 from flightstack.logs.facts.summary import text_facts
+from flightstack.logs.given.opening import flights_of
 
 
 def run(arguments: Namespace) -> int:

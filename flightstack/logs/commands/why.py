@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from flightstack.logs.commands.arguments import check_folder
-from flightstack.logs.commands.opening import open_flight
 from flightstack.logs.facts.values import Facts
 from flightstack.logs.flight.decisions import PARTS, VELOCITIES
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.why import FailedGate, Moment, find_failure
+from flightstack.logs.given.arguments import check_folder
+from flightstack.logs.given.opening import open_flight
 
 
 def _facts(moment: Moment) -> Facts:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flightstack.logs.columns.log import Log
 from flightstack.logs.flight.texts import LoggedText
@@ -54,6 +55,15 @@ def find_gates(log: Log) -> list[CourseGate]:
         for seq, x, y, z, half, heading in zip(*columns, strict=True)
         if np.isfinite(z) and np.isfinite(heading)
     ]
+
+
+def gate_outline(gate: CourseGate) -> NDArray[np.float64]:
+    """Return the corners of a gate's opening as a closed line, (5, 3) north, east, down."""
+    across = np.array([-np.sin(gate.yaw_rad), np.cos(gate.yaw_rad), 0.0])
+    up = np.array([0.0, 0.0, -1.0])
+    centre, half = np.array(gate.centre_ned), gate.half_opening_m
+    corners = [(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]
+    return np.array([centre + half * (a * across + b * up) for a, b in corners])
 
 
 def _kind(text: str) -> str:

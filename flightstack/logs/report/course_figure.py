@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from flightstack.logs.flight.course import CourseEvent, CourseGate
+from flightstack.logs.flight.course import CourseEvent, CourseGate, gate_outline
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.flight.motion import interpolated
 from flightstack.logs.report.plotting import (
@@ -39,15 +39,6 @@ def _both_views(points: Floats, trace: Json, shown: str) -> list[Json]:
     above = {**trace, "x": packed(east), "y": packed(north), "name": shown, "legendgroup": shown}
     side = {**above, "y": packed(-down), "showlegend": False, "xaxis": "x2", "yaxis": "y2"}
     return [above, side]
-
-
-def gate_outline(gate: CourseGate) -> Floats:
-    """Return the corners of a gate's opening as a closed line, (5, 3) north, east, down."""
-    across = np.array([-np.sin(gate.yaw_rad), np.cos(gate.yaw_rad), 0.0])
-    up = np.array([0.0, 0.0, -1.0])
-    centre, half = np.array(gate.centre_ned), gate.half_opening_m
-    corners = [(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]
-    return np.array([centre + half * (a * across + b * up) for a, b in corners])
 
 
 def _gates(gates: list[CourseGate]) -> list[Json]:

@@ -1,7 +1,6 @@
 """Images without stamps are dated in the vehicle's time, however the link jitters."""
 
 import contextlib
-import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,28 +20,12 @@ from flightstack.mavlink.link import Link
 from flightstack.mavlink.tlog import TlogWriter
 from flightstack.mavlink.transport import open_transport
 from tests.flight.processes import process
-from tests.wire.camera_proxy import CameraProxy
+from tests.wire.camera_proxy import CameraProxy, Unstamped
 from tests.wire.companion.companion_trial import free_port
 from tests.wire.jitter import JitteringProxy
 
 pytestmark = pytest.mark.flight
 LISTEN_S, LOOK_S, GLANCE_S = 4.0, 3.0, 1.5  # wall time
-STAMP = re.compile(rb"X-Timestamp: ([0-9.]+)\r\n")
-NUMBER = re.compile(rb"X-Sequence: ([0-9]+)")
-
-
-class Unstamped:
-    """Takes the stamps off a stream, and keeps them for the test."""
-
-    def __init__(self) -> None:
-        self.true_us: dict[int, int] = {}  # by the image's number
-
-    def __call__(self, _number: int, part: bytes) -> bytes:
-        stamp, number = STAMP.search(part), NUMBER.search(part)
-        if stamp is None or number is None:
-            return part
-        self.true_us[int(number[1])] = round(float(stamp[1]) * 1e6)
-        return STAMP.sub(b"", part)
 
 
 @contextlib.contextmanager

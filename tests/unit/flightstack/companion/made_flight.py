@@ -69,6 +69,9 @@ class ForwardPilot:
         )
 
 
+RESTARTS_MS = 600  # of wall time, where a vehicle's clock goes back
+
+
 class MadeFlight:
     """One loop in FLYING; the vehicle says at each turn that it is in OFFBOARD."""
 
@@ -104,7 +107,7 @@ class MadeFlight:
     def turn(self, after_ms: int, *, image: bool = True) -> list[Any]:
         """Let time pass on both clocks, and the loop turn once; return what it has sent."""
         now_ms = self.made.clock.stamp_us // 1000 + after_ms
-        self.made.wall.now_s += after_ms / 1000
+        self.made.wall.now_s += (after_ms if after_ms >= 0 else RESTARTS_MS) / 1000
         self._say(now_ms)
         if image:
             self.show(now_ms * 1000)

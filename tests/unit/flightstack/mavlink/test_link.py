@@ -1,9 +1,12 @@
 """The link knows its vehicle, logs all, and decodes what is used."""
 
 import math
+import tempfile
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from pymavlink.dialects.v20 import common
 
 from tests.unit.flightstack.mavlink.made_link import VEHICLE, MadeLink, heartbeat
@@ -82,10 +85,10 @@ def test_stamps_move_the_clock(made: MadeLink) -> None:
     made.say(attitude(0))
     made.link.drain()
     assert made.clock.started
-    made.say(attitude(70_000))
-    made.say(attitude(90_000), system=9)
+    made.say(attitude(1_700))
+    made.say(attitude(1_900), system=9)
     made.link.drain()
-    assert made.clock.stamp_us == 70_000_000
+    assert made.clock.stamp_us == 1_700_000
 
 
 def test_silence_is_counted_from_the_vehicles_last_word(made: MadeLink) -> None:
@@ -138,4 +141,31 @@ def test_a_vehicle_that_restarts_is_believed_at_its_second_stamp(tmp_path: Path)
     for stamp_ms in (100_000, 200, 230):
         made.say(attitude(stamp_ms))
         made.link.drain()
+        made.wall.now_s += 3.0
     assert (made.clock.stamp_us, made.link.restarts) == (230_000, 1)
+
+
+@given(st.lists(st.sampled_from([0, 1, 297_000, 2_000_000, 2**31, 2**32 - 1]), max_size=40))
+def test_nobody_restarts_a_vehicle_whose_time_goes_on(odd_ms: list[int]) -> None:
+    """Not even by stamps that agree with one another, many between two of the vehicle's own."""
+    with tempfile.TemporaryDirectory() as folder:
+        made = MadeLink(Path(folder))
+        made.say(heartbeat())
+        for turn in range(5):
+            made.say(attitude(300_000 + 30 * turn))
+            for stamp_ms in odd_ms:
+                made.say(attitude(stamp_ms))
+            made.link.drain()
+            made.wall.now_s += 0.03
+        assert (made.clock.stamp_us, made.link.restarts) == (300_120_000, 0)
+
+
+def test_a_vehicle_is_heard_again_after_an_outage(tmp_path: Path) -> None:
+    made = MadeLink(tmp_path)
+    made.say(heartbeat())
+    made.say(attitude(100_000))
+    made.link.drain()
+    made.wall.now_s += 10.0
+    made.say(attitude(110_000))
+    made.link.drain()
+    assert (made.clock.stamp_us, made.link.restarts) == (110_000_000, 0)

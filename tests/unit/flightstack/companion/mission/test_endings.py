@@ -57,6 +57,15 @@ def test_duration_ends_the_flight(course: Course, outcome: Outcome) -> None:
     assert mission.status.outcome is outcome
 
 
+def test_one_that_is_said_to_restart_again_while_it_flies_is_still_called_to_land() -> None:
+    mission = Mission(MissionPhase.FLYING)
+    mission.see(OFFBOARD, 5)
+    for second in (-99, -98, -97):
+        assert mission.see(UNSEEN, second, restarted_us=NOW) is MissionPhase.REACHING
+    assert set(mission.requests) == {MissionRequest.LAND}
+    assert mission.see(OFFBOARD, -96) is MissionPhase.LANDING
+
+
 @pytest.mark.parametrize("phase", IN_FLIGHT)
 def test_a_stop_lands_first(phase: MissionPhase) -> None:
     mission = Mission(phase)

@@ -22,7 +22,7 @@ from tests.unit.flightstack.evaluation.made_rows import ONE
         ("ladder --strategy nope", 2, ["unknown strategy 'nope'", "mi-mode"]),
         ("ladder --tracks 0", 2, ["tracks must be 1 or more", "0"]),
         ("ladder --jobs 0", 2, ["--jobs must be 1 or more", "0"]),
-        ("benchmark", 2, ["--policy, --perception or --strategy"]),
+        ("benchmark", 2, ["--policy, --perception, --strategy or --pilot"]),
         ("benchmark --policy nope:Nope", 2, ["policy 'nope:Nope'", "does not load"]),
         ("benchmark --strategy de-mean --trials 0", 2, ["trials must be 1 or more", "0"]),
         ("ablation --model nope/m9", 4, ["nope/m9"]),

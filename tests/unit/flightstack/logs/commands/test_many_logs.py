@@ -8,8 +8,8 @@ import pytest
 
 from flightstack.logs.checks import registry
 from flightstack.logs.cli import main
-from flightstack.logs.commands.many_logs import FEW, for_each
 from flightstack.logs.errors import LogFileError
+from flightstack.logs.given.many_logs import FEW, for_each
 from flightstack.logs.progress import progress
 from tests.unit.flightstack.logs.made_flights import make_flight
 from tests.unit.flightstack.logs.made_onboard import ardupilot_log, px4_log

@@ -10,8 +10,8 @@ from pymavlink.dialects.v20 import all as mavlink
 
 from flightstack.logs import read, read_bytes
 from flightstack.logs.checks import run_checks
+from flightstack.logs.flight.course import gate_outline
 from flightstack.logs.flight.flight import Flight
-from flightstack.logs.report.course_figure import gate_outline
 from flightstack.logs.report.page import make_page
 from flightstack.logs.report.plotting import thinned
 from flightstack.logs.report.time_figure import time_figure

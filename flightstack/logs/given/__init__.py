@@ -1,0 +1,1 @@
+"""What the commands are given: arguments, logs, folders of logs."""

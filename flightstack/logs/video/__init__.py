@@ -1,0 +1,1 @@
+"""A film of a flight: what the camera saw, what was decided, where it was."""
