@@ -28,6 +28,7 @@ COMMAND = re.compile(
     r"(?:\w+=\S+ )*(?:\./scripts/|flightstack |python |pip |git |cd |\. |cat |sed )"
 )
 CLONE = re.compile(r"https://ADDRESS/flightstack\.git")
+HERE = f"{ROOT} flightstack"  # what is cloned, and where to
 INSTALLING = re.compile(r"^(git clone|cd flightstack|\. \.venv|pip install)")
 SUITE = re.compile(r"^\./scripts/test")  # which tries this page
 PYTHON = '"$([ -x .venv/bin/python ] && echo .venv/bin/python || echo python)" -'
@@ -99,7 +100,7 @@ def script_of(steps: list[Step], *, smaller: bool) -> str:
         if step.kind == "python":
             lines += ["echo '+ python'", _here(PYTHON, step.text)]
             continue
-        command = made_smaller(step.text) if smaller else CLONE.sub(str(ROOT), step.text)
+        command = made_smaller(step.text) if smaller else CLONE.sub(HERE, step.text)
         if command is None or SUITE.match(command):
             lines.append(f"echo {shlex.quote(f'- {step.text}')}")
             continue
