@@ -38,6 +38,8 @@ def words_of(path: Path, parser: argparse.ArgumentParser, words: Sequence[str]) 
         table = read_toml(path.read_text(), where=str(path))
     except OSError as error:
         raise UsageError(f"--config {path}: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise UsageError(f"--config {path}: is no text in UTF-8") from None
     except ValueError as error:
         raise UsageError(str(error)) from None
     known = options_of(parser)

@@ -6,7 +6,7 @@ argparse has no public names for what a parser holds; they are used here and now
 # ruff: noqa: SLF001  (see above)
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 Option = argparse.Action
 
@@ -72,6 +72,13 @@ def sub_parsers(parser: argparse.ArgumentParser) -> Mapping[str, argparse.Argume
         if isinstance(action, argparse._SubParsersAction):
             return dict(action.choices)
     return {}
+
+
+def all_of(parser: argparse.ArgumentParser) -> Iterator[Option]:
+    """Yield whatever a command and its sub-commands take, by name or by position."""
+    yield from parser._actions
+    for below in sub_parsers(parser).values():
+        yield from all_of(below)
 
 
 def leaf(

@@ -98,7 +98,7 @@ def _expected(turns: ImageTurns, gyro_s: Floats, rate_rad_s: Floats, lags_s: Flo
 def _covered(turns: ImageTurns, gyro_us: NDArray[np.int64]) -> ImageTurns:
     """Return the turns for which there is gyro at every lag."""
     if not len(gyro_us):
-        raise UsageError("the log holds no ATTITUDE of the vehicle")
+        raise UsageError("the log holds neither HIGHRES_IMU nor ATTITUDE of the vehicle")
     begins = turns.from_us - round(LAST_S * 1e6) >= gyro_us[0]
     ends = turns.to_us - round(FIRST_S * 1e6) <= gyro_us[-1]
     kept = begins & ends

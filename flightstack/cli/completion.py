@@ -6,11 +6,16 @@ flightstack completion bash > ~/.local/share/bash-completion/completions/flights
 import argparse
 from collections.abc import Sequence
 
+from flightstack.arguments.options import all_of
 from flightstack.arguments.parser import OptionParser
 from flightstack.cli.commands import COMMANDS, PROGRAM, parser_of
 from flightstack.cli.main import add_config_options
 
 SHELLS = ("bash", "zsh")  # shtab's tcsh knows no options of sub-commands
+
+FILES = ("FILE", "PATH", "LOG", "OTHER", "HTML", "PNG", "TLOG", "LOG|LINK")
+FOLDERS = ("DIR", "FOLDER")
+KINDS = dict.fromkeys(FILES, "FILE") | dict.fromkeys(FOLDERS, "DIRECTORY")  # by metavar
 
 
 def build_parser(program: str) -> argparse.ArgumentParser:
@@ -28,7 +33,12 @@ def main(arguments: Sequence[str], program: str) -> int:
 
     shell = build_parser(program).parse_args(arguments).shell
     shtab = load_library("shtab", "completion")
-    print(shtab.complete(whole_parser(), shell))
+    parser = whole_parser()
+    for option in all_of(parser):
+        kind = KINDS.get(str(option.metavar))
+        if kind is not None:
+            option.complete = getattr(shtab, kind)  # type: ignore[attr-defined]
+    print(shtab.complete(parser, shell))
     return 0
 
 

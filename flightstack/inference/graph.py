@@ -7,17 +7,24 @@ inputs or outputs are not those that the configuration beside it leads to.
 """
 
 import hashlib
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import onnxruntime
 from numpy.typing import NDArray
 
 from flightstack.errors import ModelError
 from flightstack.inference.contents import complaint
+
+# Its builds since 1.29 report to their maker how they are used, on Linux, too, and keep a file for
+# that in the folder for temporary files. They read this when they are loaded. Nothing here reports.
+os.environ["ORT_DISABLE_TELEMETRY"] = "1"
+import onnxruntime
+
+onnxruntime.disable_telemetry_events()
 
 MAX_BYTES = 1 << 28
 FATAL = 4  # of ONNX Runtime's levels of severity: what it has to say comes as an exception

@@ -2,7 +2,7 @@
 
 import pickle
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,15 @@ from flightstack.libraries import load_library
 
 Brought = str | Callable[..., Any]  # the name of a factory, or the factory
 SCRIPT = "__main__"  # another one in every process
+
+
+def names_of(brought: Mapping[str, Brought | None], folder: Path) -> dict[str, str]:
+    """Return the name of each part that is brought; raises as `name_of` does."""
+    return {
+        option: name_of(part, folder / option)
+        for option, part in brought.items()
+        if part is not None
+    }
 
 
 def name_of(part: Brought, path: Path) -> str:

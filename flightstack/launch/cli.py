@@ -52,9 +52,14 @@ def _request(options: argparse.Namespace) -> FlightRequest:
         companion_options=(
             *(*GIVES_UP, f"--seed={options.seed}"),
             *(f"--{part}={name}" for part in PARTS if (name := getattr(options, part))),
-            *(("--json",) if options.json else ()),
+            *(() if options.log is None else (f"--log={options.log}",)),
+            *(f"--{name}" for name in ("json", "record-frames") if _is_on(options, name)),
         ),
     )
+
+
+def _is_on(options: argparse.Namespace, switch: str) -> bool:
+    return bool(getattr(options, switch.replace("-", "_")))
 
 
 def _fly(request: FlightRequest, output: Stream, program: str) -> int:
@@ -123,5 +128,7 @@ def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
     add("--autopilot", choices=("emulated", "px4"), default="emulated", help="who flies")
     add("--px4", type=Path, metavar="PATH", help="build folder or binary of a real PX4")
     add("--px4-folder", type=Path, metavar="DIR", help="where PX4 runs and leaves its logs")
+    add("--log", type=Path, metavar="PATH", help="tlog (default logs/companion-<UTC>.tlog)")
+    add("--record-frames", action="store_true", help="keep each frame as PNG, in LOG.frames")
     add("--json", action="store_true", help="last line of output: the result as one JSON object")
     return parser

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from flightstack.extensions import PICKLED
-from flightstack.launch.brought import Brought, name_of
+from flightstack.launch.brought import Brought, names_of
 from flightstack.launch.cold import ColdStarter
 from flightstack.launch.order import Order, Starter
 from flightstack.launch.px4 import held_ports
@@ -33,6 +33,8 @@ def fly(  # noqa: PLR0913  the options of `flightstack fly`, all by name
     speed_factor: float = 1.0,
     fast: bool = False,
     px4: Path | None = None,
+    log: Path | None = None,
+    record_frames: bool = False,
 ) -> FlightResult:
     """Fly as `flightstack fly` does with the options of these names, and say nothing on the way.
 
@@ -45,17 +47,18 @@ def fly(  # noqa: PLR0913  the options of `flightstack fly`, all by name
     its name; any other, such as one of a notebook, as a file that cloudpickle writes and the
     companion's own process reads. Nothing of it ever goes over the wire.
 
-    The companion's log is in the folder `logs` of the working directory. A flight that began gives
+    The companion's log is `log`, or one in the folder `logs` of the working directory, and with
+    `record_frames` a folder beside it holds what the camera saw. A flight that began gives
     a result, whatever its outcome. Raises UsageError, ModelError or LinkError, in one line, where
     none began, or one was cut off. No process is left running, after Ctrl-C neither.
     """
+    record = (
+        *(() if log is None else (f"--log={log}",)),
+        *(("--record-frames",) if record_frames else ()),
+    )
     brought = {"strategy": strategy, "perception": perception, "policy": policy, "pilot": pilot}
     with tempfile.TemporaryDirectory(prefix="brought-") as folder:
-        parts = {
-            option: name_of(part, Path(folder, option))
-            for option, part in brought.items()
-            if part is not None
-        }
+        parts = names_of(brought, Path(folder))
         request = FlightRequest(
             laps=laps,
             track_seed=track_seed,
@@ -67,6 +70,7 @@ def fly(  # noqa: PLR0913  the options of `flightstack fly`, all by name
             companion_options=(
                 *(*GIVES_UP, "-q", "--json", f"--seed={seed}"),
                 *(f"--{option}={name}" for option, name in parts.items()),
+                *record,
             ),
         )
         return _named(fly_request(request), brought, parts)
@@ -87,8 +91,8 @@ def _named(
 
 def vehicle_options(seed: int, conditions: Mapping[str, object]) -> tuple[str, ...]:
     """Return what `python -m sitl` is told of the day."""
-    changes = (f"--condition={name}={value!r}" for name, value in conditions.items())
-    return (f"--seed={seed}", *changes)
+    lists = {k: list(v) if isinstance(v, tuple) else v for k, v in conditions.items()}  # as TOML
+    return (f"--seed={seed}", *(f"--condition={name}={value!r}" for name, value in lists.items()))
 
 
 def fly_request(request: FlightRequest, starter: Starter = COLD) -> FlightResult:

@@ -16,7 +16,7 @@ from pymavlink.dialects.v20 import common
 
 from flightstack.clock import VehicleClock
 from flightstack.mavlink.identity import VehicleIdentity, speaks_for_a_vehicle
-from flightstack.mavlink.packets import identify, is_signed
+from flightstack.mavlink.packets import boot_time_us, identify, is_signed
 from flightstack.mavlink.signing import Signing, Verdict
 from flightstack.mavlink.tlog import TlogWriter
 from flightstack.mavlink.transport import Address, Transport
@@ -41,7 +41,6 @@ STAMPED = frozenset(
         common.MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
     }
 )
-STAMP_BYTES = 4
 STEP_US = 2_000_000  # between two stamps, either way: no link keeps a packet for longer
 OUTAGE_US = 600_000_000  # ahead: further than any outage that a flight outlasts
 UNBROKEN_S = 0.5  # wall time: while a vehicle's stamps go on so often, it has not restarted
@@ -218,11 +217,16 @@ class Link:
         if system != self._vehicle_system or self._is_elsewhere(address):
             self.tlog.append(self.clock.elapsed_us, packet)
             return
+        is_timely = True
         if component == AUTOPILOT_COMPONENT:
             self._heard_s = self.clock.wall_s()
             if number in STAMPED:
-                self._observe_stamp(packet)
+                is_timely = self._observe_stamp(boot_time_us(packet))
+            elif number == common.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED:
+                is_timely = abs(boot_time_us(packet) - self._boot_us) <= STEP_US
         self.tlog.append(self.clock.elapsed_us, packet)
+        if not is_timely:  # whoever says this speaks of no time of this vehicle's
+            return
         if number == common.MAVLINK_MSG_ID_HEARTBEAT and component not in WANTED:
             self._note_other(packet, component)
         if number in self._wanted.get(component, NOTHING):
@@ -252,17 +256,16 @@ class Link:
     def _is_elsewhere(self, address: Address | None) -> bool:
         return self.vehicle is not None and address != self.vehicle.address
 
-    def _observe_stamp(self, packet: bytes) -> None:
-        begin = HEADER_V2 if packet[0] == MAGIC_V2 else HEADER_V1
-        end = begin + min(packet[1], STAMP_BYTES)  # MAVLink 2 leaves trailing zeros out
-        stamp_us = int.from_bytes(packet[begin:end], "little") * 1000
+    def _observe_stamp(self, stamp_us: int) -> bool:
+        """Tell the time by a stamp; whether it is believed."""
         if not self._goes_on(stamp_us):
-            return
+            return False
         if self._boot_us - stamp_us > STEP_US:
             self.restarts += 1
             self.clock.begin_anew(stamp_us)
         self._boot_us = stamp_us
         self.clock.observe(stamp_us)
+        return True
 
     def _goes_on(self, stamp_us: int) -> bool:
         """Whether to believe a stamp, where nobody's odd packets shall move the vehicle's clock.

@@ -21,6 +21,7 @@ from flightstack.mavlink_numbers import (
     SIGNED_FLAG,
 )
 
+STAMP_BYTES = 4
 OVERHEAD_V1 = HEADER_V1 + CHECKSUM_BYTES
 OVERHEAD_V2 = HEADER_V2 + CHECKSUM_BYTES
 BEGINNINGS = (MAGIC_V2, MAGIC_V1)
@@ -88,6 +89,13 @@ def identify(packet: bytes) -> tuple[int, int, int]:
     if packet[0] == MAGIC_V2:
         return packet[7] | packet[8] << 8 | packet[9] << 16, packet[5], packet[6]
     return packet[5], packet[3], packet[4]
+
+
+def boot_time_us(packet: bytes) -> int:
+    """Return the time since boot with which a packet's message begins (time_boot_ms)."""
+    begin = HEADER_V2 if packet[0] == MAGIC_V2 else HEADER_V1
+    end = begin + min(packet[1], STAMP_BYTES)  # MAVLink 2 leaves trailing zeros out
+    return int.from_bytes(packet[begin:end], "little") * 1000
 
 
 def is_signed(packet: bytes) -> bool:

@@ -52,7 +52,7 @@ CAMERA_PORT = 8090  # + instance
 MAX_GROWTH = 1.05  # of resident memory
 LIMIT_S = 1200.0  # wall time
 PER_IMAGE = 400.0  # parts
-PER_DATAGRAM = 1.0  # packets
+PER_DATAGRAM = 20.0  # packets
 BATCH = 64
 OFFBOARD = 6 << 16
 

@@ -28,6 +28,7 @@ COMMAND = re.compile(
     r"(?:\w+=\S+ )*(?:\./scripts/|flightstack |python |pip |git |cd |\. |cat |sed )"
 )
 CLONE = re.compile(r"https://ADDRESS/flightstack\.git")
+HERE = f"{ROOT} flightstack"  # what is cloned, and where to
 INSTALLING = re.compile(r"^(git clone|cd flightstack|\. \.venv|pip install)")
 SUITE = re.compile(r"^\./scripts/test")  # which tries this page
 PYTHON = '"$([ -x .venv/bin/python ] && echo .venv/bin/python || echo python)" -'
@@ -36,9 +37,10 @@ SMALLER = (  # what to put in the place of what, where a page is only tried
     (re.compile(r"--tracks \d+"), "--tracks 1 --jobs 1"),
     (re.compile(r"--laps \d+"), "--laps 1"),
     (re.compile(r"(--rungs \S+)(?: (?!-)\S+)+"), r"\1"),
-    (re.compile(r"--images \d+"), "--images 60"),
+    (re.compile(r"--images \d+"), "--images 150"),
     (re.compile(r"--epochs \d+"), "--epochs 1"),
 )
+UNLEARNED = (re.compile(r'^(base = "\w+")$', re.MULTILINE), r"\1\ntraining.must_learn = false")
 SHIMS = {  # where nothing is installed: this checkout by this Python
     "bin/python": f'exec {shlex.quote(sys.executable)} "$@"',
     "bin/flightstack": f'PYTHONPATH="$PYTHONPATH:{ROOT}" exec {shlex.quote(sys.executable)} '
@@ -92,12 +94,13 @@ def script_of(steps: list[Step], *, smaller: bool) -> str:
         lines += [f"git clone --quiet {shlex.quote(str(ROOT))} flightstack", "cd flightstack"]
     for step in steps:
         if step.kind == "file":
-            lines += [f"echo '+ {step.file}'", _here(f"cat > {shlex.quote(step.file)}", step.text)]
+            text = UNLEARNED[0].sub(UNLEARNED[1], step.text) if smaller else step.text
+            lines += [f"echo '+ {step.file}'", _here(f"cat > {shlex.quote(step.file)}", text)]
             continue
         if step.kind == "python":
             lines += ["echo '+ python'", _here(PYTHON, step.text)]
             continue
-        command = made_smaller(step.text) if smaller else CLONE.sub(str(ROOT), step.text)
+        command = made_smaller(step.text) if smaller else CLONE.sub(HERE, step.text)
         if command is None or SUITE.match(command):
             lines.append(f"echo {shlex.quote(f'- {step.text}')}")
             continue
@@ -133,6 +136,7 @@ def try_page(page: Path, *, smaller: bool) -> int:
 
 
 def _lay_shims(folder: Path) -> None:
+    (folder / "docs").symlink_to(ROOT / "docs")
     for name, line in SHIMS.items():
         path = folder / name
         path.parent.mkdir(exist_ok=True)

@@ -71,9 +71,9 @@ def test_companion_refuses_an_unknown_strategy() -> None:
 def test_companion_refuses_damaged_weights(tmp_path: Path) -> None:
     model = tmp_path / "damaged"
     shutil.copytree(ROOT / "models" / "strong" / "m0", model)
-    weights = bytearray((model / "weights.safetensors").read_bytes())
+    weights = bytearray((model / "encoder.onnx").read_bytes())
     weights[len(weights) // 2] ^= 0x01
-    (model / "weights.safetensors").write_bytes(weights)
+    (model / "encoder.onnx").write_bytes(weights)
     ended = run_module("flightstack.companion", "--udp=14549", f"--model={model}")
     assert_one_line(ended, BAD_MODEL, str(model), "damaged")
 

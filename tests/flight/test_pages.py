@@ -12,6 +12,7 @@ pytestmark = pytest.mark.flight
 TRY = (sys.executable, str(ROOT / "scripts" / "pages" / "try_page.py"), "--smaller")
 PAGES = {  # and what of it a reader has by then
     "README.md": ["./scripts/test"],
+    "docs/real-images.md": [],
     "docs/tutorial.md": [
         "git clone https://ADDRESS/flightstack.git",
         "cd flightstack",

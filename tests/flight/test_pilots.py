@@ -54,7 +54,14 @@ def importable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("importable")
 def test_colour_alone_finds_through_a_lap_and_says_how_sure_it_is() -> None:
-    result = flightstack.fly(track_seed=7, noise=(1.0, 2.0), fast=True, pilot="colour:ColourPilot")
+    result = flightstack.fly(
+        track_seed=7,
+        noise=(1.0, 2.0),
+        fast=True,
+        pilot="colour:ColourPilot",
+        log=Path("here", "lap.tlog"),
+    )
+    assert result.log == Path("here", "lap.tlog")
     assert (result.outcome, result.gates_passed) == ("completed", 8)
     assert (result.model, result.strategy) == ("colour:ColourPilot", "act")
     decisions = find_decisions(read(result.log))
@@ -98,8 +105,11 @@ def test_a_small_network_learns_in_the_environment_and_flies_over_mavlink(tmp_pa
     script = str(LEARNED / "train.py")
     words = ("--gates=1", "--laps=1", "--flights=2", "--noise", "0", "0")
     assert "of 8 gates" in run(tmp_path, script, *words).splitlines()[-1]
-    result = flightstack.fly(noise=(0.0, 0.0), fast=True, pilot="learned:LearnedPilot")
+    result = flightstack.fly(
+        noise=(0.0, 0.0), fast=True, pilot="learned:LearnedPilot", record_frames=True
+    )
     assert result.gates_passed >= 1
+    assert len(list(result.log.with_suffix(".frames").glob("*.png"))) >= result.frames
 
 
 @pytest.mark.parametrize("example", sorted((DOCS / "examples").rglob("*.py")), ids=str)

@@ -6,12 +6,15 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flightstack.calibration.image_turns import measure_turns
 from flightstack.calibration.lag import Floats, LatencyEstimate, find_latency
 from flightstack.calibration.recordings import read_frames
 from flightstack.logs import read
 from flightstack.logs.columns.senders import find_participants, main_autopilot, of_vehicle
+
+MIN_GYRO_HZ = 20.0  # of HIGHRES_IMU
 
 
 def run(options: argparse.Namespace) -> str:
@@ -21,12 +24,22 @@ def run(options: argparse.Namespace) -> str:
     return json.dumps(asdict(estimate)) if options.json else _told(estimate)
 
 
-def _gyro(log: Path) -> tuple[np.ndarray[tuple[int], np.dtype[np.int64]], Floats]:
-    """Return times, vehicle time in us, and yaw rates of the body, rad/s."""
+def _gyro(log: Path) -> tuple[NDArray[np.int64], Floats]:
+    """Return times, vehicle time in us, and yaw rates of the body, rad/s.
+
+    The gyro as it is, where its stream is quick enough; else the rate at which the estimated yaw
+    changes. ATTITUDE.yawspeed is neither: a low pass has made it some milliseconds late.
+    """
     whole = read(log)
-    table = of_vehicle(whole["ATTITUDE"], main_autopilot(find_participants(whole), None))
-    time_us, first = np.unique(table["time_boot_ms"].astype(np.int64) * 1000, return_index=True)
-    return time_us, table["yawspeed"][first].astype(np.float64)
+    vehicle = main_autopilot(find_participants(whole), None)
+    sensed = of_vehicle(whole["HIGHRES_IMU"], vehicle)
+    time_us, first = np.unique(sensed["time_usec"].astype(np.int64), return_index=True)
+    if len(time_us) > 1 and 1e6 * (len(time_us) - 1) / np.ptp(time_us) >= MIN_GYRO_HZ:
+        return time_us, sensed["zgyro"][first].astype(np.float64)
+    told = of_vehicle(whole["ATTITUDE"], vehicle)
+    time_us, first = np.unique(told["time_boot_ms"].astype(np.int64) * 1000, return_index=True)
+    yaw = np.unwrap(told["yaw"][first].astype(np.float64))
+    return time_us, np.gradient(yaw, time_us / 1e6) if len(yaw) > 1 else yaw
 
 
 def _told(estimate: LatencyEstimate) -> str:

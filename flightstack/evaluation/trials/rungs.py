@@ -16,7 +16,7 @@ from flightstack.evaluation.trials.experiment import Condition
 from flightstack.tables import read_toml, record_from_table
 from sitl import MAX_HEIGHT_NOISE_M, MAX_RADIUS_NOISE_M, SitlError, parse_conditions
 
-SUFFIX = ".toml"
+SUFFIX, SCENERY = ".toml", "scenery"
 MAX_NOISE_M = (MAX_RADIUS_NOISE_M, MAX_HEIGHT_NOISE_M)
 
 
@@ -92,17 +92,25 @@ def known_rungs() -> list[str]:
 
 
 def _options(conditions: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
-    """Spell conditions out for the vehicle's command line."""
-    return tuple(
-        f"--condition={table}.{key}={_toml(value)}"
-        for table, values in conditions.items()
-        for key, value in values.items()
+    """Spell conditions out for the vehicle's command line.
+
+    A scenery goes as a whole: what its keys say is checked together.
+    """
+    plain = {table: values for table, values in conditions.items() if table != SCENERY}
+    whole = {SCENERY: conditions[SCENERY]} if SCENERY in conditions else {}
+    return (
+        *(
+            f"--condition={table}.{key}={_toml(value)}"
+            for table, values in plain.items()
+            for key, value in values.items()
+        ),
+        *(f"--condition={table}={_toml(values)}" for table, values in whole.items()),
     )
 
 
-def _toml(value: Any) -> str:
+def _toml(value: object) -> str:
     """Write a value on one line; Python writes numbers, lists and plain texts as TOML does."""
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return "{" + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + "}"
     return str(value) if not isinstance(value, str) else repr(value)
 

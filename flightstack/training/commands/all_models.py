@@ -82,22 +82,40 @@ class Plan:
         return join(flights)
 
 
+class _Stages:
+    """Says which of the stages comes now."""
+
+    def __init__(self, count: int) -> None:
+        self._count, self._begun = count, 0
+
+    def __call__(self, name: str) -> None:
+        """Say it."""
+        self._begun += 1
+        print(f"stage {self._begun} of {self._count}: {name}")
+
+
 def train_all(plan: Plan) -> None:
     """Make the data, train the encoders and policies, and write the models' folders.
 
     What is finished is kept, what was interrupted goes on. Raises UsageError and TrainingError.
     """
     catalogue = plan.catalogue()
+    tell = _Stages(5 if plan.recipe.dagger else 4)
+    tell("data")
     make_data(plan)
     dagger = plan.recipe.dagger
     steering = {read_catalogue()[PILOT].encoder} if dagger else set()
     encoders = sorted({model.encoder for model in catalogue.values()} | steering)
     stacks = sorted({(model.encoder, model.policy) for model in catalogue.values()})
     processes = Parallel(n_jobs=PROCESSES if plan.device == "cpu" else 1)
+    tell("encoders: " + ", ".join(encoders))
     processes(delayed(train_encoder)(plan, encoder) for encoder in encoders)
     if dagger:
+        tell(f"flights of a first {PILOT}, which the expert labels")
         fly_dagger(plan, dagger)
+    tell("policies: " + ", ".join("-".join(stack) for stack in stacks))
     processes(delayed(train_stack)(plan, *stack) for stack in stacks)
+    tell("models: " + ", ".join(catalogue))
     images = calibration_images_of(plan.preset, plan.recipe.training)
     validation = Labelled.flown(plan.recipe, images=images, seed=plan.data_seed)
     for name, model in catalogue.items():

@@ -49,6 +49,7 @@ def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
     _add_policy(commands.add_parser("policy", help="train policies on one CM-VAE"))
     _add_calibrate(commands.add_parser("calibrate", help="measure a model's variances anew"))
     _add_detector(commands.add_parser("detector", help="train a detector of sets of gates"))
+    _add_assemble(commands.add_parser("assemble", help="a model's folder from finished runs"))
     _add_export(commands.add_parser("export", help="a model's flight form, from its weights"))
     return parser
 
@@ -95,6 +96,13 @@ def _add_data(parser: argparse.ArgumentParser) -> None:
     control.add_argument(
         "--pilot-share", type=float, default=0.5, help="of the flights (default: 0.5)"
     )
+    labelled = kinds.add_parser("labelled", help="images of yours, with the gate's corners")
+    labelled.add_argument("labels", type=Path, help="CSV: image, and four corners in pixels")
+    labelled.add_argument(
+        "--images", type=Path, help="folder that its paths begin in (default: the CSV's)"
+    )
+    labelled.add_argument("--out", type=Path, required=True, help="folder of the dataset")
+    _add_recipe_alone(labelled)
     look = kinds.add_parser("look", help="draw images with their labels, and histograms")
     look.add_argument("dataset", type=Path, help="its folder")
     look.add_argument("--out", type=Path, help="folder of the pictures (default: DATASET/look)")
@@ -102,7 +110,10 @@ def _add_data(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_perception(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--data", type=Path, required=True, help="folder of a dataset")
+    parser.add_argument(
+        "--data", type=Path, nargs="+", required=True, help="folders of datasets, read as one"
+    )
+    parser.add_argument("--start", metavar="MODEL", help="go on from a model, or a finished run")
     parser.add_argument("--out", type=Path, required=True, help="folder of the run")
     parser.add_argument("--encoder", choices=("mcd", "plain"), default="mcd")
     parser.add_argument("--epochs", type=_count, help="instead of the preset's")
@@ -148,6 +159,15 @@ def _add_recipe_alone(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--recipe", default="strong", help="strong, paper or a file of yours (default: strong)"
     )
+
+
+def _add_assemble(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--perception", type=Path, required=True, help="folder of a CM-VAE's run")
+    parser.add_argument("--policy", type=Path, required=True, help="folder of the policies' run")
+    parser.add_argument(
+        "--out", type=Path, required=True, help="the model's folder: RECIPE/NAME, m0 to m4"
+    )
+    _add_recipe_alone(parser)
 
 
 def _add_export(parser: argparse.ArgumentParser) -> None:

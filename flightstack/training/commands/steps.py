@@ -12,12 +12,16 @@ from flightstack.training.commands import detector
 from flightstack.training.commands.all_models import Plan, train_all
 from flightstack.training.data.dataset import join, read_dataset
 from flightstack.training.data.generation import generate_control, generate_perception
+from flightstack.training.data.labelled import read_labelled
 from flightstack.training.data.pictures import write_pictures
 from flightstack.training.data.piloting import Piloting
 from flightstack.training.detector.trainer import DetectorSettings
 from flightstack.training.hyperparameters import given
+from flightstack.training.models.assemble import write_model
+from flightstack.training.models.catalogue import read_catalogue
 from flightstack.training.models.flight_form import export
 from flightstack.training.models.recalibrate import Labelled, recalibrate
+from flightstack.training.perception.start import Start
 from flightstack.training.perception.trainer import train_perception
 from flightstack.training.policy.trainer import train_policy
 from flightstack.training.presets import perception_settings, policy_settings
@@ -37,6 +41,7 @@ def run(options: argparse.Namespace) -> None:
         "data": _data,
         "perception": _perception,
         "policy": _policy,
+        "assemble": _assemble,
         "calibrate": _calibrate,
         "detector": _detector,
         "export": _export,
@@ -79,6 +84,10 @@ def _data(options: argparse.Namespace) -> None:
         write_pictures(options.dataset, options.out or options.dataset / "look", seed=options.seed)
         return
     recipe = Recipe.load(options.recipe)
+    if options.kind == "labelled":
+        images = options.images or options.labels.parent
+        print(f"wrote {read_labelled(options.labels, images, recipe, options.out)}")
+        return
     folder = options.out or options.data / recipe.name / options.kind
     common = {"images": options.images, "seed": options.seed, "jobs": options.jobs}
     if options.kind == "perception":
@@ -97,10 +106,11 @@ def _perception(options: argparse.Namespace) -> None:
         epochs=options.epochs,
     )
     train_perception(
-        read_dataset(options.data),
+        join([read_dataset(folder) for folder in options.data]),
         settings,
         options.out,
         device=torch.device(options.device),
+        start=Start.find(options.start) if options.start else None,
     )
 
 
@@ -125,6 +135,23 @@ def _policy(options: argparse.Namespace) -> None:
         perception=perception.sha256,
         device=torch.device(options.device),
     )
+
+
+def _assemble(options: argparse.Namespace) -> None:
+    known, name = read_catalogue(), options.out.name
+    if name not in known:
+        raise UsageError(
+            f"--out {options.out}: its last folder says which model it is: {', '.join(known)}"
+        )
+    write_model(
+        options.out,
+        known[name],
+        read_run(options.perception),
+        read_run(options.policy),
+        recipe=replace(Recipe.load(options.recipe), name=options.out.resolve().parent.name),
+        preset="single steps",
+    )
+    print(f"wrote {options.out}")
 
 
 def _calibrate(options: argparse.Namespace) -> None:

@@ -5,7 +5,9 @@ as if the camera flew level. Commands: seen from above, an arrow ahead (vx) and 
 bar for climbing or sinking (vz), and a bar at the bottom for the yaw rate, each 1 at full length.
 """
 
+import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -20,7 +22,8 @@ from flightstack.records import VELOCITIES
 from flightstack.training.data.dataset import Dataset, read_dataset
 
 ROWS, COLUMNS, ZOOM = 5, 6, 4
-SIDE = 64 * ZOOM  # pixels of one image on the sheet; 90 deg of view, so f = SIDE / 2
+SIDE = 64 * ZOOM  # pixels of one image on the sheet
+FIELD_OF_VIEW_DEG = 90.0  # where a dataset names no other
 AXIS_M = 1.0  # length of the arrow along the gate's axis
 RING, ARROW, CLIMB, TURN = (255, 230, 0), (255, 60, 60), (60, 220, 60), (80, 160, 255)
 NEAREST_M = 0.05  # before the camera, that an arrow may reach
@@ -36,7 +39,10 @@ def write_pictures(
     Raises UsageError when there is none, or when its labels are of a kind that cannot be drawn.
     """
     dataset = read_dataset(folder)
-    known: dict[tuple[str, ...], Draw] = {LABELS: draw_pose, VELOCITIES: draw_command}
+    scenery = dataset.manifest.get("settings", {}).get("scenery", {})
+    half_deg = scenery.get("field_of_view_deg", FIELD_OF_VIEW_DEG) / 2.0
+    seen = partial(draw_pose, reach=math.tan(math.radians(half_deg)))
+    known: dict[tuple[str, ...], Draw] = {LABELS: seen, VELOCITIES: draw_command}
     draw = known.get(dataset.label_names)
     if draw is None:
         raise UsageError(f"{folder}: labels {', '.join(dataset.label_names)} cannot be drawn")
@@ -60,15 +66,18 @@ def draw_sheet(dataset: Dataset, draw: Draw, seed: int) -> NDArray[np.uint8]:
     return sheet
 
 
-def draw_pose(picture: NDArray[np.uint8], label: NDArray[np.float32]) -> None:
-    """Draw a gate pose (4,) into a picture (SIDE, SIDE, 3)."""
+def draw_pose(
+    picture: NDArray[np.uint8], label: NDArray[np.float32], *, reach: float = 1.0
+) -> None:
+    """Draw a gate pose (4,) into a picture (SIDE, SIDE, 3); `reach`: tangent at its edge."""
     range_m, azimuth, elevation, gate_yaw = (float(value) for value in label)
     ahead = np.cos(elevation)
     ray = np.array([ahead * np.cos(azimuth), ahead * np.sin(azimuth), -np.sin(elevation)])
     centre = range_m * ray
     axis = np.array([np.cos(gate_yaw), np.sin(gate_yaw), 0.0])
-    cv2.arrowedLine(picture, pixel(centre), pixel(centre + AXIS_M * axis), ARROW, 2, tipLength=0.3)
-    cv2.circle(picture, pixel(centre), 5, RING, 2)
+    at, tip = pixel(centre, reach), pixel(centre + AXIS_M * axis, reach)
+    cv2.arrowedLine(picture, at, tip, ARROW, 2, tipLength=0.3)
+    cv2.circle(picture, at, 5, RING, 2)
 
 
 def draw_command(picture: NDArray[np.uint8], label: NDArray[np.float32]) -> None:
@@ -84,17 +93,17 @@ def draw_command(picture: NDArray[np.uint8], label: NDArray[np.float32]) -> None
     cv2.line(picture, (middle, bottom), (round(middle + yaw_rate), bottom), TURN, 6)
 
 
-def pixel(point: NDArray[np.float64]) -> tuple[int, int]:
-    """Where a point (3,), body FRD, stands in a picture."""
+def pixel(point: NDArray[np.float64], reach: float = 1.0) -> tuple[int, int]:
+    """Where a point (3,), body FRD, stands in a picture that reaches so far, as a tangent."""
     forward, right, down = point[0], point[1], point[2]
-    scale = SIDE / 2 / max(forward, NEAREST_M)
+    scale = SIDE / 2 / reach / max(forward, NEAREST_M)
     at = np.clip(SIDE / 2 + scale * np.array([right, down]), -SIDE, 2 * SIDE)
     return round(at[0]), round(at[1])
 
 
 def draw_histograms(dataset: Dataset, path: Path) -> None:
     """Write one histogram a label, the splits over each other."""
-    plt = load_pyplot("logs")
+    plt = load_pyplot("training")
     figure, axes = plt.subplots(2, 2, figsize=(10, 7), layout="constrained")
     for k, (name, plot) in enumerate(zip(dataset.label_names, axes.flat, strict=True)):
         edges = np.histogram_bin_edges(dataset.labels[:, k], bins=60)

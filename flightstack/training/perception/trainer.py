@@ -2,7 +2,7 @@
 
 import math
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from flightstack.training.checkpoint import Checkpoint, identity_of
 from flightstack.training.data.dataset import Dataset
 from flightstack.training.perception.metrics import PerceptionMetrics, measure_perception
 from flightstack.training.perception.pictures import write_reconstructions, write_traversals
+from flightstack.training.perception.start import Start
 from flightstack.training.presets import PerceptionSettings
 from flightstack.training.progress import Curves
 from flightstack.training.runs import Report, write_run
@@ -39,7 +40,11 @@ class PerceptionTrainer:
     """The networks, the optimiser and the data of one run."""
 
     def __init__(
-        self, dataset: Dataset, settings: PerceptionSettings, device: torch.device
+        self,
+        dataset: Dataset,
+        settings: PerceptionSettings,
+        device: torch.device,
+        start: Start | None = None,
     ) -> None:
         if tuple(dataset.label_names) != LABELS:
             raise UsageError(
@@ -48,11 +53,15 @@ class PerceptionTrainer:
         self.settings, self.device = settings, device
         self.train, self.validation = dataset.splits["train"], dataset.splits["validation"]
         self.labels = dataset.labels
-        self.scale = LabelScale.of(dataset.labels[self.train])
+        labels = dataset.labels[self.train]
+        self.scale = start.label_scale if start else LabelScale.of(labels)
         self.source = ImageSource(dataset.images, self.scale.encode(dataset.labels), device)
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(settings.seed)  # torch initialises layers from the global generator
             model = CmVae(latent_dims=settings.latent_dims, dropout=settings.dropout)
+        self.weights = settings.weights
+        if start is not None and not start.put_into(model):
+            self.weights = replace(self.weights, image=0.0)  # a decoder at random teaches nothing
         self.model = model.to(device=device, memory_format=torch.channels_last)  # type: ignore[call-overload]
         self.optimizer = torch.optim.AdamW(
             self.model.parameters(),
@@ -79,7 +88,7 @@ class PerceptionTrainer:
                 terms: LossTerms = self.model.loss_terms(
                     images, labels, generator=generator, reconstructed=reconstructed
                 )
-            loss = terms.total(settings.weights)
+            loss = terms.total(self.weights)
             self.optimizer.zero_grad()
             loss.backward()  # type: ignore[no-untyped-call]
             self.optimizer.step()
@@ -107,19 +116,21 @@ def train_perception(
     folder: Path,
     *,
     device: torch.device,
+    start: Start | None = None,
     report: Report = print,
 ) -> PerceptionRun:
-    """Train, or go on with, the run in `folder`.
+    """Train, or go on with, the run in `folder`; from a `start`, or from nothing.
 
     Raises TrainingError when the loss is not finite and, if it must learn, when a label is no
     better predicted than by a constant, or when the posterior collapsed; UsageError when the data
     or the folder do not fit.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    trainer = PerceptionTrainer(dataset, settings, device)
+    trainer = PerceptionTrainer(dataset, settings, device, start)
     if len(trainer.train) < settings.batch:
         raise UsageError(f"{len(trainer.train)} training images are fewer than one batch")
     identity = identity_of(settings, data_sha256=dataset.sha256)
+    identity |= {"start": start.sha256} if start else {}
     checkpoint = Checkpoint(
         folder, identity=identity, model=trainer.model, optimizer=trainer.optimizer
     )

@@ -29,12 +29,12 @@ def made_turns(latency_s: float, *, noise_rad: float, seed: int) -> ImageTurns:
     return ImageTurns(from_us=stamps[:-1], to_us=stamps[1:], angle_rad=angle)
 
 
-@pytest.mark.parametrize("latency_s", [0.08, 0.15])
+@pytest.mark.parametrize(("latency_s", "with_imu"), [(0.08, True), (0.15, False)])
 def test_the_latency_of_a_camera_is_found_within_5_ms(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], latency_s: float
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], latency_s: float, *, with_imu: bool
 ) -> None:
     log = tmp_path / "bench.tlog"
-    write_recording(log, latency_s)
+    write_recording(log, latency_s, with_imu=with_imu)
     assert main(["latency", str(log), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["latency_s"] == pytest.approx(latency_s, abs=0.005)
@@ -72,7 +72,7 @@ def test_what_says_nothing_is_told() -> None:
         find_latency(replace(turns, angle_rad=noise), times, rate)
     with pytest.raises(UsageError, match=r"only \d s of images and gyro together"):
         find_latency(turns, times[:300], rate[:300])
-    with pytest.raises(UsageError, match="no ATTITUDE"):
+    with pytest.raises(UsageError, match="neither HIGHRES_IMU nor ATTITUDE"):
         find_latency(turns, times[:0], rate[:0])
 
 

@@ -50,14 +50,23 @@ def gyro() -> tuple[NDArray[np.int64], Floats]:
     return BOOT_US + np.round(time_s * 1e6).astype(np.int64), rate
 
 
-def write_recording(log: Path, latency_s: float) -> None:
-    """Write a tlog and LOG.frames, as the companion's --record-frames does."""
+def write_recording(log: Path, latency_s: float, *, with_imu: bool) -> None:
+    """Write a tlog and LOG.frames, as the companion's --record-frames does.
+
+    ATTITUDE.yawspeed is wrong: nobody should go by it.
+    """
     codec = common.MAVLink(None, srcSystem=1, srcComponent=1)
     beat = common.MAVLink_heartbeat_message(2, 12, 29, 0, 3, 3)
     records = [(0, beat.pack(codec))]
-    for time_us, rate in zip(*gyro(), strict=True):
-        told = common.MAVLink_attitude_message(int(time_us) // 1000, 0, 0, 0, 0, 0, rate)
+    times_us, rates = gyro()
+    yaws = yaw_rad((times_us - BOOT_US) / 1e6)
+    for time_us, rate, yaw in zip(times_us, rates, yaws, strict=True):
+        told = common.MAVLink_attitude_message(int(time_us) // 1000, 0, 0, yaw, 0, 0, 0.1)
         records.append((int(time_us), told.pack(codec)))
+        if with_imu:
+            sensed = (0, 0, -9.8, 0, 0, rate, 0, 0, 0, 0, 0, 0, 0)
+            imu = common.MAVLink_highres_imu_message(int(time_us), *sensed, 63)
+            records.append((int(time_us), imu.pack(codec)))
     log.write_bytes(
         b"".join(struct.pack(">Q", us + 1_700_000_000_000_000) + p for us, p in records)
     )

@@ -145,6 +145,14 @@ def test_a_missing_file_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     )
 
 
+def test_a_file_that_is_no_text_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "own.toml").write_bytes(b"\xff\xfe")
+    assert main(["fly", "--config", str(tmp_path / "own.toml")]) == 2
+    assert capsys.readouterr().err.endswith("own.toml: is no text in UTF-8\n")
+
+
 def test_of_several_commands_one_must_be_named(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["evaluate", "--print-config"]) == 2
     assert "say which command first: ablation, benchmark" in capsys.readouterr().err

@@ -88,13 +88,22 @@ def test_a_reader_who_has_seen_enough_is_no_error() -> None:
     assert answer.stderr == ""
 
 
-def test_bash_takes_the_completion() -> None:
+@pytest.mark.parametrize(
+    ("words", "wanted"),
+    [
+        ("flightstack fly --tr", ["--track-seed"]),
+        ("flightstack evaluate la", ["ladder"]),
+        ("flightstack fly --config cons", ["constraints.txt"]),
+        ("flightstack logs report cons", ["constraints.txt"]),
+    ],
+)
+def test_bash_takes_the_completion(words: str, wanted: list[str]) -> None:
     asked = (
         f'eval "$({sys.executable} -m flightstack.cli completion bash)"; '
-        "COMP_WORDS=(flightstack fly --tr) COMP_CWORD=2; _shtab_flightstack; "
+        f"COMP_WORDS=({words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); _shtab_flightstack; "
         'echo "${COMPREPLY[@]}"'
     )
     answer = subprocess.run(
         ["/bin/bash", "-c", asked], cwd=ROOT, capture_output=True, text=True, check=True
     )
-    assert answer.stdout.strip() == "--track-seed"
+    assert answer.stdout.split() == wanted

@@ -1,11 +1,12 @@
 """Video over a network, as a camera: each picture at once, in its own time, or one clear line."""
 
+import contextlib
 import select
 import socket
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from flightstack.clock import VehicleClock
 from flightstack.errors import LinkError, UsageError
 from sitl.process.streams.video import VideoSender
 from sitl.records.images import Image
+from tests.unit.flightstack.camera.video.rtsp_server import RtspServer
 
 av = pytest.importorskip("av")
 SIZE_PX, RATE_HZ = 64, 20
@@ -87,6 +89,54 @@ def test_rtp_is_seen_as_soon_as_it_is_sent(port: int, scheme: str) -> None:
     assert np.median(late_s) < 0.03  # not a period, 0.05
     assert abs(np.median(off_s)) < 0.02
     assert not arrival.stamped
+
+
+def relayed(listener: socket.socket, sender: CameraOnTheNet) -> Generator[bytes, None, None]:
+    """Give packets as they come, until they end."""
+    with listener, contextlib.suppress(TimeoutError), sender:
+        listener.settimeout(2.0)
+        while True:
+            yield listener.recv(2048)
+
+
+def test_rtsp_is_read_in_its_own_time() -> None:
+    listener = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    listener.bind(("127.0.0.1", 0))
+    sender = CameraOnTheNet(listener.getsockname()[1])
+    with RtspServer(relayed(listener, sender)) as server:
+        camera = open_camera(server.uri, VehicleClock())
+        arrivals = list(images(camera, 30))
+        camera.close()
+    grown = np.diff([width(arrival.image.rgb) for arrival in arrivals]) % SIZE_PX
+    assert np.median(grown) == 1
+    late_s = [a.received_s - sender.sent_s[width(a.image.rgb)] for a in arrivals]
+    assert np.median(late_s) < 0.2  # FFmpeg waits for one further picture
+    steps_s = np.diff([a.taken_s for a in arrivals if a.taken_s is not None])
+    assert np.median(steps_s) == pytest.approx(1 / RATE_HZ, abs=0.005)
+
+
+def test_a_transport_stream_on_a_udp_port_is_told_from_rtp(port: int) -> None:
+    sending = threading.Event()
+
+    def send() -> None:
+        with av.open(f"udp://127.0.0.1:{port}?pkt_size=1316", "w", format="mpegts") as container:
+            stream = container.add_stream("libx264", rate=RATE_HZ, options={"tune": "zerolatency"})
+            stream.width = stream.height = SIZE_PX
+            stream.pix_fmt = "yuv420p"
+            stream.codec_context.gop_size = 10
+            while not sending.wait(0.02):
+                rgb = np.full((SIZE_PX, SIZE_PX, 3), (200, 40, 90), np.uint8)
+                container.mux(stream.encode(av.VideoFrame.from_ndarray(rgb, format="rgb24")))
+
+    thread = threading.Thread(target=send)
+    thread.start()
+    camera = open_camera(f"udp://127.0.0.1:{port}", VehicleClock())
+    arrival = next(images(camera, 1))
+    camera.close()
+    sending.set()
+    thread.join(5)
+    assert arrival.image.rgb.shape == (SIZE_PX, SIZE_PX, 3)
+    assert np.abs(arrival.image.rgb.mean(axis=(0, 1)) - (200, 40, 90)).max() < 12
 
 
 def test_a_port_where_nothing_comes_is_told(port: int) -> None:

@@ -46,9 +46,15 @@ def test_a_rung_says_what_the_vehicle_is_told() -> None:
 
 
 def test_a_rung_may_be_another_world() -> None:
-    gate = "[conditions.scenery.gate]\noutline = 'circle'\ninner_m = 1.8\nouter_m = 2.2\n"
+    gate = (
+        "[conditions.scenery]\ngate_colour_low = [0.0, 0.0, 0.6]\n"
+        "gate_colour_high = [0.1, 0.2, 1.0]\n"
+        "[conditions.scenery.gate]\noutline = 'circle'\ninner_m = 1.8\nouter_m = 2.2\n"
+    )
     _, condition = parse_rung("rings", f"about = ''\nnoise_m = [1, 2]\n{gate}")
-    told = parse(condition.vehicle_options, {}).conditions.scenery.gate
+    scenery = parse(condition.vehicle_options, {}).conditions.scenery
+    assert scenery.gate_colour_high == (0.1, 0.2, 1.0)
+    told = scenery.gate
     assert (told.outline, told.inner_m, told.outer_m) == ("circle", 1.8, 2.2)
 
 
@@ -96,8 +102,7 @@ def test_an_unknown_rung_names_the_known_ones(name: str) -> None:
 def test_the_document_shows_a_rung_as_it_may_be() -> None:
     document = DOCS / "training-and-evaluation.md"
     text = document.read_text()
-    tables = [part.partition("```")[0] for part in text.split("```toml\n")[1:]]
-    (rung,) = [table for table in tables if "[conditions.camera]" in table]
-    _, condition = parse_rung("document", rung)
+    section = text.partition("### The ladder\n")[2]
+    _, condition = parse_rung("document", section.split("```toml\n")[1].split("```")[0])
     assert condition.vehicle_options == ("--condition=camera.latency_s=0.1",)
     assert all(f"`{name}`" in text for name in known_rungs())

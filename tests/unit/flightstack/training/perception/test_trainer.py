@@ -6,10 +6,16 @@ import pytest
 import torch
 
 from flightstack.errors import UsageError
+from flightstack.networks.trained import load_trained
 from flightstack.training.data.dataset import Dataset
 from flightstack.training.errors import TrainingError
 from flightstack.training.perception.metrics import PerceptionMetrics
-from flightstack.training.perception.trainer import PerceptionRun, train_perception
+from flightstack.training.perception.start import Start
+from flightstack.training.perception.trainer import (
+    PerceptionRun,
+    PerceptionTrainer,
+    train_perception,
+)
 from flightstack.training.presets import PerceptionSettings
 from flightstack.training.runs import read_run
 from tests.pictures import pixels
@@ -118,3 +124,27 @@ def test_table_speaks_degrees() -> None:
     line = "azimuth_rad: error 5.73 deg (2.86 deg from 1.5 to 8.0 m), constant 22.92 deg"
     assert line in HEALTHY.table()
     assert "range_m: error 0.50 m" in HEALTHY.table()
+
+
+def test_a_training_goes_on_from_a_run_and_from_a_model_that_has_no_image_decoder(
+    perception_run: PerceptionRun, perception_data: Dataset
+) -> None:
+    settings = PerceptionSettings(epochs=1, batch=32)
+    device = torch.device("cpu")
+    from_run = Start.find(str(perception_run.folder))
+    trainer = PerceptionTrainer(perception_data, settings, device, from_run)
+    assert trainer.scale == perception_run.scale
+    assert trainer.weights.image == settings.weights.image
+    found = trainer.measure().label_mae
+    assert found == pytest.approx(perception_run.metrics.label_mae, rel=1e-5)
+    from_model = Start.find("strong/m0")
+    other = PerceptionTrainer(perception_data, settings, device, from_model)
+    assert other.weights.image == 0.0
+    image = torch.zeros(1, 3, 64, 64)
+    with torch.inference_mode():
+        expected = load_trained("strong/m0").encoder(image)[0]
+        torch.testing.assert_close(other.model.eval().encoder(image)[0], expected)
+    with pytest.raises(UsageError, match="does not fit: train with the same latent_dims"):
+        PerceptionTrainer(
+            perception_data, dataclasses.replace(settings, latent_dims=7), device, from_run
+        )
