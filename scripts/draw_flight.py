@@ -136,7 +136,7 @@ def draw_strip(figure: Figure, path: Path3, track: Track, seed: int) -> None:
         qw, qx, qy, qz = path.q_ned_frd[row].tolist()
         axes = figure.add_subplot(strip[0, index])
         axes.imshow(camera.render((x, y, z), (qw, qx, qy, qz)), interpolation="nearest")
-        axes.set_title(f"gate {index}", fontsize=8, color=MUTED, pad=3)
+        axes.set_title(f"gate {index + 1}", fontsize=8, color=MUTED, pad=3)
         axes.axis("off")
     camera.close()
 

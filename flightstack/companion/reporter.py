@@ -83,14 +83,17 @@ class Reporter:
             self.warn_once(f"messages are refused: {verdict.value}")
         if telemetry.course.gates_passed > self._gates_passed:
             self._gates_passed = telemetry.course.gates_passed
-            self._console.event(self._flight_line(status, vehicle))
+            self._console.event(self._flight_line(status, vehicle, self._gates_passed))
         if status.phase is not self._phase:
             self._phase = status.phase
+            self._console.close()  # the live line was of the phase before
             self._console.event(_phase_line(status, telemetry))
             if status.phase is MissionPhase.DONE:
                 self._warn_of_armed(status, vehicle)
         if status.phase is MissionPhase.FLYING and self._console.wants_live:
-            self._console.live(self._flight_line(status, vehicle))
+            course = telemetry.course
+            due = min(course.gates_passed + 1, course.gates_total or 0)
+            self._console.live(self._flight_line(status, vehicle, due))
 
     def _name_others(self, others: Mapping[int, int]) -> None:
         """Name the other computers of this vehicle, once each."""
@@ -107,13 +110,14 @@ class Reporter:
         if status.lands and (lost or vehicle.telemetry.armed) and status.offboard_us is not None:
             self.warn_once("the vehicle was not seen disarmed: it may still fly")
 
-    def _flight_line(self, status: MissionStatus, vehicle: VehicleSession) -> str:
+    def _flight_line(self, status: MissionStatus, vehicle: VehicleSession, gate: int) -> str:
+        """Return time, a gate (from 1: the one just passed, or due), speed and uncertainty."""
         telemetry = vehicle.telemetry
         since_us = status.offboard_us
         flown_s = 0.0 if since_us is None else (vehicle.link.clock.stamp_us - since_us) / 1e6
         parts = [f"{flown_s:7.2f} s"]
         if telemetry.course.known:
-            parts.append(f"gate {telemetry.course.gates_passed}/{telemetry.course.gates_total}")
+            parts.append(f"gate {gate}/{telemetry.course.gates_total}")
         if telemetry.velocity_ned is not None:
             parts.append(f"{math.hypot(*telemetry.velocity_ned):4.1f} m/s")
         if self._decision is not None:

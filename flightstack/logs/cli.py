@@ -93,6 +93,13 @@ def _add_video(parser: argparse.ArgumentParser) -> None:
     add("--frames", type=_path, metavar="FOLDER", help="recorded frames; default LOG.frames")
 
 
+def _add_dataset(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("paths", nargs="+", type=_path, metavar="LOG", help="logs with recorded images, or folders")
+    add("-o", "--output", type=_path, required=True, metavar="FOLDER", help="new, or empty")
+    add("--task", default="fly through the gates", metavar="TEXT", help="what was to be done")
+
+
 def _add_export(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--format", choices=("csv", "parquet", "mcap"), help="default: by the output's ending")
@@ -135,6 +142,9 @@ COMMANDS = {
     "why": LogCommand("the seconds before a gate was missed", _add_why),
     "video": LogCommand("a film: what the camera saw and was decided, and the path", _add_video),
     "export": LogCommand("CSV, Parquet, or MCAP for Foxglove", _add_export),
+    "dataset": LogCommand(
+        "flights with recorded images as a LeRobot dataset", _add_dataset, takes_log=False
+    ),
     "compare": LogCommand("two logs side by side", _add_compare),
     "follow": LogCommand(
         "a log that is being written, or a live link", _add_follow, takes_log=False

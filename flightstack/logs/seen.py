@@ -37,6 +37,15 @@ class SeenImages:
     def __len__(self) -> int:
         return len(self.paths)
 
+    def flown(self) -> Floats:
+        """Return what was flown in the frame of the commands, level with the horizon, (n, 4)."""
+        north, east, down = self.velocity_ned.T
+        yaw = self.attitude_rad[:, 2]
+        forward = np.cos(yaw) * north + np.sin(yaw) * east
+        right = np.cos(yaw) * east - np.sin(yaw) * north
+        turning = np.gradient(yaw, self.stamp_us * 1e-6) if len(yaw) > 1 else np.zeros(len(yaw))
+        return np.stack([forward, right, down, turning], axis=1)
+
 
 def find_seen(flight: Flight, folder: Path | None = None) -> SeenImages:
     """Return the images of a recording; by default the folder beside the log.

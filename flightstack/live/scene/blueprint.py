@@ -5,7 +5,7 @@ from typing import Any
 from flightstack.libraries import load_library
 from flightstack.live.scene.recording import EXTRA, TIMELINE
 
-EYE, TARGET, UP = (-13.0, -8.0, -13.0), (3.0, 6.0, 0.0), (0.0, 0.0, -1.0)  # north, east, down, m
+EYE, TARGET, UP = (-15.0, -3.0, -14.0), (1.5, 7.5, 0.0), (0.0, 0.0, -1.0)  # north, east, down, m
 
 
 def make_blueprint() -> Any:

@@ -2,9 +2,6 @@
 
 from bisect import bisect_right
 
-import numpy as np
-from numpy.typing import NDArray
-
 from flightstack.logs.flight.flight import Flight
 from flightstack.logs.seen import SeenImages
 from flightstack.logs.video.bars import command_bars, uncertainty_bars
@@ -24,7 +21,7 @@ class FilmPictures:
         self._seen = seen
         self._plan = PathPlan(flight, seen, SIDE)
         self._text_times = [text.time_us for text in flight.texts]
-        self._flown = _body_velocities(seen)
+        self._flown = seen.flown()
 
     def at(self, row: int) -> Canvas:
         """Return the picture of one image, (HEIGHT, 2 SIDE, 3) RGB."""
@@ -64,14 +61,3 @@ class FilmPictures:
         if said >= 0 and now_us - self._text_times[said] <= TEXT_S * 1e6:
             text = self._flight.texts[said].text
             write(canvas, text[:62], (SIDE + 8, SIDE + 6 * LINE), MUTED)
-
-
-def _body_velocities(seen: SeenImages) -> NDArray[np.float64]:
-    """Return what was flown in the frame of the commands, level with the horizon, (n, 4)."""
-    north, east, down = seen.velocity_ned.T
-    yaw = seen.attitude_rad[:, 2]
-    forward = np.cos(yaw) * north + np.sin(yaw) * east
-    right = np.cos(yaw) * east - np.sin(yaw) * north
-    seconds = seen.stamp_us * 1e-6
-    rate = np.gradient(yaw, seconds) if len(yaw) > 1 else np.zeros(len(yaw))
-    return np.stack([forward, right, down, rate], axis=1)

@@ -1,5 +1,6 @@
 """The film of a flight: one picture an image, in its time, and one line where there are none."""
 
+import json
 from pathlib import Path
 
 import cv2
@@ -55,6 +56,26 @@ def test_a_log_without_images_is_refused_in_one_line(
     path.write_bytes(make_flight(1.0))
     assert main(["video", str(path)]) == 2
     assert "--record-frames" in capsys.readouterr().err
+
+
+def test_flights_become_a_dataset_row_by_row(log: Path, tmp_path: Path) -> None:
+    av, parquet = pytest.importorskip("av"), pytest.importorskip("pyarrow.parquet")
+    folder = tmp_path / "dataset"
+    assert main(["dataset", str(log), str(log), "-o", str(folder)]) == 0
+    decisions = Flight(read(log)).decisions
+    count = len(decisions)
+    info = json.loads((folder / "meta" / "info.json").read_text())
+    assert (info["total_episodes"], info["total_frames"]) == (2, 2 * count)
+    table = parquet.read_table(folder / "data" / "chunk-000" / "file-001.parquet")
+    np.testing.assert_allclose(table["action"].to_pylist(), decisions.command, atol=1e-6)
+    assert table["index"].to_pylist() == list(range(count, 2 * count))
+    told = np.hstack([decisions.aleatoric_std, decisions.epistemic_std, decisions.perceptual_std])
+    np.testing.assert_allclose(table["uncertainty"].to_pylist(), told, atol=1e-6)
+    film = next(folder.glob("videos/*/chunk-000/file-001.mp4"))
+    with av.open(str(film)) as opened:
+        blue = [picture.to_ndarray(format="rgb24")[32, 32, 0] for picture in opened.decode()]
+    assert len(blue) == count
+    assert main(["dataset", str(log), "-o", str(folder)]) == 2  # never over another
 
 
 def test_a_gate_is_drawn_where_it_is_seen() -> None:

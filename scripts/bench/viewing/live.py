@@ -1,6 +1,6 @@
 """Measure what a viewer costs who flies: processor time with and without it, in turns.
 
-    python scripts/bench/live.py [--rounds 10] [--duration 20]
+    python scripts/bench/viewing/live.py [--rounds 10] [--duration 20]
 
 Flies one course in lockstep, as fast as the processes can, once with `flightstack live` listening
 and once without, now the one first, now the other; prints the processor time of companion, vehicle
@@ -19,7 +19,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT))
 
 from flightstack.logs import read  # noqa: E402
@@ -73,9 +73,10 @@ def fly(folder: Path, duration_s: float, *, watched: bool) -> tuple[Costs, list[
         vehicle = begin(started("sitl", *lockstep, *links))
         before = os.times()
         command = ["-m", "flightstack.companion", f"--connect=udpin:127.0.0.1:{api[1]}", *mission]
-        null = subprocess.DEVNULL
-        options = {"env": ENVIRONMENT, "cwd": ROOT, "timeout": LIMIT_S}
-        subprocess.run([sys.executable, *command], stdout=null, stderr=null, check=False, **options)
+        run = [sys.executable, *command]
+        flown = subprocess.run(run, env=ENVIRONMENT, cwd=ROOT, capture_output=True, check=False)
+        if flown.returncode not in (0, 1):
+            sys.exit(flown.stderr.decode())
         after = os.times()
         costs["vehicle"] = cpu_s(vehicle)
         costs["viewer"] = cpu_s(viewer) if viewer else 0.0
@@ -105,7 +106,8 @@ def main() -> int:
     for role, values in ratios.items():
         print(f"{role}: {statistics.median(values):.3f} times with a viewer, median of the turns")
     print(f"viewer: {viewer_s:.1f} s of processor time in the last turn")
-    print("setpoints: the same to the last bit" if same else "setpoints: NOT the same")
+    told = "the same to the last bit" if same else "NOT the same"
+    print(f"setpoints of a flight: {len(flown[True][1])}, {told}")
     return 0 if same else 1
 
 
