@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 REBOOT_US = 5_000_000  # a stamp further back than this is a new boot, not one that comes late
-
 MAX_LEAD_US = 50_000  # of telemetry, which can only be late: beyond that the line is wrong
 
 
@@ -62,12 +61,17 @@ class VehicleClock:
         self._passed_us, self.stamp_us = self.elapsed_us, 0
 
     def synchronise(self, line: ClockLine | None) -> None:
-        """Tell time by a line from now on; None: by stamps alone."""
-        self._line = line
+        """Tell time by a line from now on; None, or one that no stamp agrees with: by stamps."""
+        now_s = self.wall_s()
+        odd = line is not None and self.started and self._differs(line, now_s)
+        self._line = None if odd else line
 
     def _restart(self, before_us: int) -> None:
         self.before_restart_us = before_us
         self._line = None
+
+    def _differs(self, line: ClockLine, now_s: float) -> bool:
+        return abs(line.at_us(now_s) - self._by_stamps_us(now_s)) >= REBOOT_US
 
     def _set(self, stamp_us: int) -> None:
         if self._first_us is None:
@@ -98,9 +102,9 @@ class VehicleClock:
 
         By the line that the vehicle has told, else the newest stamp and the wall time since.
         """
-        line, anchor = self._line, self._anchor
-        if line is not None:
-            return max(0, line.at_us(wall_s))
-        if anchor is None:
-            return 0
-        return max(0, anchor[0] + round((wall_s - anchor[1]) * 1e6))
+        line = self._line
+        return max(0, self._by_stamps_us(wall_s) if line is None else line.at_us(wall_s))
+
+    def _by_stamps_us(self, wall_s: float) -> int:
+        anchor = self._anchor
+        return 0 if anchor is None else anchor[0] + round((wall_s - anchor[1]) * 1e6)

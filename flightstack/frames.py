@@ -5,6 +5,9 @@ The simulator has its own such file: shared code would let one sign error cancel
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 
 def ned_from_body(
     vector_frd: tuple[float, float, float], yaw_rad: float
@@ -26,3 +29,15 @@ def wrap_pi(angle_rad: float) -> float:
     """Wrap an angle into (-pi, pi]."""
     wrapped = math.remainder(angle_rad, 2.0 * math.pi)
     return math.pi if wrapped == -math.pi else wrapped
+
+
+def rotation_ned_frd(attitude_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the matrix (3, 3) that turns body axes FRD into NED, of roll, pitch and yaw (3,)."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(attitude_rad), np.sin(attitude_rad)
+    return np.array(
+        [
+            [cp * cy, sr * sp * cy - cr * sy, cr * sp * cy + sr * sy],
+            [cp * sy, sr * sp * sy + cr * cy, cr * sp * sy - sr * cy],
+            [-sp, sr * cp, cr * cp],
+        ]
+    )

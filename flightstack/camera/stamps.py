@@ -1,19 +1,22 @@
 """Believe a camera's stamps while they can be the vehicle's time; else date images by arrival.
 
 A camera that sends the time since 1970, or since its own start, would otherwise set the clock by
-which everything is timed. An image that comes late keeps its stamp: the mission holds for it. Where
-the vehicle has announced the image, the time that it has announced is better than that of arrival.
+which everything is timed; its stamps still tell how its images lie in time to each other. An image
+that comes late keeps its stamp: the mission holds for it. Where the vehicle has announced the
+image, the time that it has announced is better than that of arrival.
 """
 
 from dataclasses import replace
 
 from flightstack.camera.mailbox import Arrival
+from flightstack.camera.stream_clock import StreamClock
 from flightstack.clock import REBOOT_US, VehicleClock
 from flightstack.records import Image
 
 MAX_AHEAD_US = 2_000_000  # of all that has been told: in lockstep an image is one period ahead
 MAX_BEHIND_US = REBOOT_US
 RECENT_US = 500_000
+MAX_TOLD_S = 1e11  # 3,000 years: what is larger has lost the milliseconds
 
 
 class StampCheck:
@@ -29,6 +32,7 @@ class StampCheck:
         self._dated_us = 0  # the newest that was dated by us
         self._clock = clock
         self._latency_s = latency_s
+        self._camera_clock = StreamClock()
 
     def admit(self, arrival: Arrival, announced_us: int | None = None) -> Arrival:
         """Return the image as it is, or with a better time in place of its stamp.
@@ -60,7 +64,12 @@ class StampCheck:
 
     def _taken_us(self, arrival: Arrival) -> int:
         """Say when an image was exposed; never before the one that came before it."""
-        known_s = arrival.received_s if arrival.taken_s is None else arrival.taken_s
+        known_s = arrival.taken_s
+        if known_s is None:
+            told_s = _told_s(arrival)
+            known_s = arrival.received_s
+            if told_s is not None:
+                known_s = self._camera_clock.left_s(told_s, known_s)
         taken_us = self._clock.at_us(known_s - self._latency_s)
         if self._dated_us - REBOOT_US < taken_us <= self._dated_us:  # our clock was put right
             taken_us = self._dated_us + 1
@@ -83,3 +92,14 @@ class StampCheck:
         if ahead_us > MAX_AHEAD_US:
             return "ahead of the vehicle's time"
         return "behind the vehicle's time" if ahead_us < -MAX_BEHIND_US else ""
+
+
+def _told_s(arrival: Arrival) -> float | None:
+    """Return what a camera says, on a clock of its own; None where it says nothing."""
+    if not arrival.odd_stamp:
+        return arrival.image.stamp_us / 1e6 if arrival.stamped else None
+    try:
+        told_s = float(arrival.odd_stamp)
+    except ValueError:
+        return None
+    return told_s if abs(told_s) < MAX_TOLD_S else None

@@ -28,6 +28,7 @@ COMMANDS = {
         "fly a MAVLink vehicle by what its camera sees", "flightstack.companion.cli"
     ),
     "logs": SubCommand("inspect MAVLink logs, and the vehicle's own", "flightstack.logs.cli"),
+    "live": SubCommand("a flight in a browser, while it is flown or later", "flightstack.live.cli"),
     "train": SubCommand("make data, train, write models", "flightstack.training.commands.cli"),
     "evaluate": SubCommand("judge models, and policies of yours", "flightstack.evaluation.cli"),
     "completion": SubCommand(

@@ -160,7 +160,7 @@ class FlightLoop:
         arrival = self._stamps.admit(arrival, self._vehicle.telemetry.trigger_us)
         if self._stamps.complaint:
             self._reporter.warn_once(
-                f"the camera's stamps are {self._stamps.complaint}: the time of arrival counts"
+                f"the camera's stamps are {self._stamps.complaint}: images are dated here"
             )
         stamp_us = arrival.image.stamp_us
         if arrival.stamped:

@@ -21,7 +21,6 @@ from sitl import (
     CourseState,
     Estimate,
     Gate,
-    Image,
     OffboardSetpoint,
     Simulation,
     SimulationConfig,
@@ -62,7 +61,7 @@ class GateFlight:
         )
         self._simulation.start_airborne(SPAWN_NED, 0.0)
         self._estimates = deque([self._simulation.estimate], maxlen=KEPT)
-        self._image = self._next_image()
+        self.observation = self._next_observation()  # what a policy is told, as the wire tells it
 
     def close(self) -> None:
         """Free the physics engine and the renderer."""
@@ -80,20 +79,7 @@ class GateFlight:
             )
         )
         self._step()
-        self._image = self._next_image()
-
-    @property
-    def observation(self) -> Observation:
-        """What a policy is told: image and estimate, as the wire tells them."""
-        image = self._image
-        estimate = self._estimate_at(image.time_us)
-        roll, pitch, yaw = euler_from_quaternion(estimate.q_ned_frd)
-        return Observation(
-            stamp_us=image.time_us,
-            image=image.rgb,
-            velocity=np.array(body_from_ned(estimate.velocity_ned, yaw), np.float32),
-            attitude=np.array((roll, pitch, yaw), np.float32),
-        )
+        self.observation = self._next_observation()
 
     @property
     def elapsed_s(self) -> float:
@@ -146,10 +132,19 @@ class GateFlight:
         self._simulation.step()
         self._estimates.append(self._simulation.estimate)
 
-    def _next_image(self) -> Image:
+    def _next_observation(self) -> Observation:
+        """Fly on to the next image; returns it with what was estimated at its moment."""
         while not self._simulation.image_due():
             self._step()
-        return self._simulation.render()
+        image = self._simulation.render()
+        estimate = self._estimate_at(image.time_us)
+        roll, pitch, yaw = euler_from_quaternion(estimate.q_ned_frd)
+        return Observation(
+            stamp_us=image.time_us,
+            image=image.rgb,
+            velocity=np.array(body_from_ned(estimate.velocity_ned, yaw), np.float32),
+            attitude=np.array((roll, pitch, yaw), np.float32),
+        )
 
     def _estimate_at(self, stamp_us: int) -> Estimate:
         """Return what was estimated at that tick, or first of all where that is long ago."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from flightstack.camera.mailbox import Arrival
 from flightstack.camera.picture_size import MAX_PIXELS
-from flightstack.camera.video.stream_clock import StreamClock
+from flightstack.camera.stream_clock import StreamClock
 from flightstack.clock import VehicleClock
 from flightstack.records import Image
 

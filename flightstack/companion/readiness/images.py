@@ -60,7 +60,10 @@ class ImageSurvey:
         )
 
     def _size(self, settings: CameraSettings) -> ReadinessItem:
-        lens = "taken for 90 degrees" if settings.view is None else "by --camera-info"
+        view = settings.view
+        lens = "taken for 90 degrees"
+        if view is not None:
+            lens = f"by --camera-info, shows {100 * view.covered_share:.0f} % of 90 degrees"
         shown = " and ".join(f"{width} x {height}" for height, width in sorted(self._sizes))
         enough = min(min(size) for size in self._sizes) >= NETWORK_PX
         return ReadinessItem(

@@ -149,6 +149,7 @@ def offboard_facts(flight: Flight) -> Facts | None:
         "frames": flight.answers.images,
         "frames_answered": flight.answers.answered,
         "frame_to_setpoint_ms": _percentiles(flight.answers.latency_ms),
+        "frame_age_ms": _percentiles(1e3 * flight.decisions.image_age_s),
         "setpoint_to_response_s": dict(zip(VELOCITIES, map(rounded, lags), strict=True)),
         "tracking_rms": dict(zip(VELOCITIES, map(rounded, errors), strict=True)),
         "decisions": len(flight.decisions),

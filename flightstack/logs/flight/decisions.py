@@ -30,6 +30,7 @@ class Decisions:
     member: NDArray[np.int64]  # (n, 4) or ALL_MEMBERS
     modes: NDArray[np.int64]
     command: Floats  # (n, 4) m/s, rad/s
+    image_age_s: Floats  # (n,) when the image was received; 0 where nobody knows, and in lockstep
 
     def __len__(self) -> int:
         return len(self.time_us)
@@ -70,8 +71,8 @@ def _arrays(
 
 def find_decisions(log: Log) -> Decisions:
     """Return the decisions of a log; none is an empty record."""
-    time_us, stamp_us, data = _arrays(log, "decision", 28)
-    parts = data.reshape(len(data), 7, 4)
+    time_us, stamp_us, data = _arrays(log, "decision", 29)
+    parts = data[:, :28].reshape(len(data), 7, 4)
     return Decisions(
         time_us=time_us,
         stamp_us=stamp_us,
@@ -82,6 +83,7 @@ def find_decisions(log: Log) -> Decisions:
         member=parts[:, 4].astype(np.int64),
         modes=parts[:, 5].astype(np.int64),
         command=parts[:, 6],
+        image_age_s=data[:, 28],
     )
 
 

@@ -117,6 +117,12 @@ def _course(facts: Facts) -> Iterator[str]:
             f"setpoint {_number(late['p50'], 'ms')} (95 % within {_number(late['p95'], 'ms')}, "
             f"at most {_number(late['max'], 'ms')})"
         )
+    ages = offboard["frame_age_ms"]
+    if ages["max"]:
+        yield (
+            f"  ages      frames were {_number(ages['p50'], 'ms')} old when they were received "
+            f"(95 % within {_number(ages['p95'], 'ms')})"
+        )
     lags, errors = offboard["setpoint_to_response_s"], offboard["tracking_rms"]
     yield "  response  " + ", ".join(
         f"{name} lag {_number(lag, 's', 2)} rms {_number(errors[name], '', 2)}"

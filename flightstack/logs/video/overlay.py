@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from flightstack.frames import rotation_ned_frd
 from flightstack.logs.flight.course import CourseGate, gate_outline
 from flightstack.logs.video.drawing import COMMANDED, GATE, Canvas, polyline
 
@@ -37,23 +38,11 @@ def draw_gate(canvas: Canvas, gate: CourseGate, position_ned: Floats, attitude_r
 
     For a camera that sees 90 degrees both ways, forward from the body's origin.
     """
-    frd = (gate_outline(gate) - position_ned) @ _ned_of_frd(attitude_rad)
+    frd = (gate_outline(gate) - position_ned) @ rotation_ned_frd(attitude_rad)
     half = canvas.shape[0] / 2
     if not (frd[:, 0] > MIN_AHEAD_M).all():
         return
     polyline(canvas, half + half * frd[:, 1:] / frd[:, :1], GATE, 2)
-
-
-def _ned_of_frd(attitude_rad: Floats) -> Floats:
-    """Return the matrix that turns body axes into north, east, down, (3, 3)."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(attitude_rad), np.sin(attitude_rad)
-    return np.array(
-        [
-            [cp * cy, sr * sp * cy - cr * sy, cr * sp * cy + sr * sy],
-            [cp * sy, sr * sp * sy + cr * cy, cr * sp * sy - sr * cy],
-            [-sp, sr * cp, cr * cp],
-        ]
-    )
 
 
 def draw_command(canvas: Canvas, command: Floats) -> None:

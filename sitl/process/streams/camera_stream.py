@@ -10,7 +10,14 @@ import socket
 
 from sitl.errors import LinkError
 from sitl.process.options.values import LOOPBACK
-from sitl.process.streams.http_stream import MAX_REQUEST_BYTES, Coding, answer, is_complete, part
+from sitl.process.streams.http_stream import (
+    MAX_REQUEST_BYTES,
+    Coding,
+    answer,
+    is_complete,
+    only_watches,
+    part,
+)
 from sitl.records.images import Image
 
 MAX_CLIENTS = 16
@@ -24,6 +31,7 @@ class _Client:
         self.connection = connection
         self.request = b""
         self.answered = False
+        self.watches = False  # it only looks, and answers no image
         self.coding: Coding | None = None  # of the stream that it requested
         self.pending = memoryview(b"")
         self.sequence = -1  # of the last image that it was given
@@ -45,7 +53,7 @@ class CameraStream:
         self._clients: dict[socket.socket, _Client] = {}
         self._latest: Image | None = None
         self._parts: dict[str, bytes] = {}  # of the latest image, by coding
-        self.has_viewers = False  # anybody is connected to a stream
+        self.has_viewers = False  # anybody is connected to a stream who may answer
 
     def close(self) -> None:
         """Close all connections and free the port."""
@@ -122,6 +130,7 @@ class CameraStream:
         if is_complete(client.request):
             client.answered = True
             head, client.coding = answer(client.request)
+            client.watches = only_watches(client.request)
             self._count_viewers()
             client.pending = memoryview(head)
             self._flush(client)
@@ -167,7 +176,9 @@ class CameraStream:
         self._count_viewers()
 
     def _count_viewers(self) -> None:
-        self.has_viewers = any(client.coding is not None for client in self._clients.values())
+        self.has_viewers = any(
+            client.coding is not None and not client.watches for client in self._clients.values()
+        )
 
 
 def _listen(port: int) -> socket.socket:

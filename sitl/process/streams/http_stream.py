@@ -45,6 +45,7 @@ class Coding:
 PNG = Coding(".png", b"image/png", PNG_OPTIONS)  # lossless: what a companion takes
 JPEG = Coding(".jpg", b"image/jpeg", JPEG_OPTIONS)  # what OpenCV and ffmpeg open
 STREAMS: Mapping[str, Coding] = {"/stream": PNG, "/stream.mjpg": JPEG}
+WATCH = b"watch"  # GET /stream?watch
 STREAM_HEAD = (
     b"HTTP/1.1 200 OK\r\nConnection: close\r\nCache-Control: no-store\r\n"
     b"Content-Type: multipart/x-mixed-replace; boundary=" + BOUNDARY + b"\r\n\r\n"
@@ -68,6 +69,12 @@ def answer(request: bytes) -> tuple[bytes, Coding | None]:
     if path == "/":
         return _page(b"200 OK", PAGE, b"text/html; charset=utf-8"), None
     return _page(b"404 Not Found", b"there are /, /stream and /stream.mjpg\n"), None
+
+
+def only_watches(request: bytes) -> bool:
+    """Whether whoever asks only looks: lockstep does not wait for an answer."""
+    target = request.split(b"\n", 1)[0].split(b" ")[1:2]
+    return b"".join(target).partition(b"?")[2] == WATCH
 
 
 def part(image: Image, coding: Coding) -> bytes:

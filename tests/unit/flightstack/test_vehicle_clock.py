@@ -1,5 +1,7 @@
 """Vehicle time follows stamps, at any speed."""
 
+import pytest
+
 from flightstack.clock import ClockLine, VehicleClock
 
 
@@ -46,6 +48,15 @@ def test_follows_a_reboot() -> None:
     clock.observe(60_000_000)
     clock.observe(20_000)
     assert (clock.stamp_us, clock.elapsed_us) == (20_000, 0)
+
+
+@pytest.mark.parametrize("vehicle_us", [0.0, 60e6, 9.2e15])
+def test_a_line_that_no_telemetry_agrees_with_is_not_believed(vehicle_us: float) -> None:
+    clock = VehicleClock(Wall())
+    clock.observe(20_000_000)
+    clock.synchronise(ClockLine(100.0, vehicle_us, 1.0))
+    assert not clock.synchronised
+    assert clock.now_us() == 20_000_000
 
 
 def test_a_line_tells_any_moment_until_telemetry_is_ahead_of_it() -> None:

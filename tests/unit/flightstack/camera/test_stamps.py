@@ -86,3 +86,26 @@ def test_a_stamped_image_is_as_old_as_telemetry_proves(clock: VehicleClock) -> N
     assert check.aged(arrival(199_900_000)).age_s == pytest.approx(0.1)
     clock.synchronise(ClockLine(0.0, 200.02e6, 1.0))
     assert check.aged(arrival(200_000_000)).age_s == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize("since", [1_733_050_000.0, 86_400.0])  # 1970, or the camera's own start
+def test_a_camera_with_a_clock_of_its_own_is_dated_by_it_without_the_networks_jitter(
+    clock: VehicleClock, since: float
+) -> None:
+    clock.synchronise(ClockLine(0.0, 200e6, 1.0))
+    check = StampCheck(clock)
+    dated_us = []
+    for number, delay_s in enumerate((0.0, 0.03, 0.01)):
+        taken_s = number / 20
+        told = Arrival(
+            arrival(0).image, taken_s + delay_s, stamped=False, odd_stamp=f"{since + taken_s:.6f}"
+        )
+        dated_us.append(check.admit(told).image.stamp_us)
+    assert dated_us == pytest.approx([200_000_000, 200_050_000, 200_100_000], abs=2)
+
+
+@pytest.mark.parametrize("told", ["nan", "-inf", "1e300", "noon"])
+def test_what_is_no_time_at_all_says_nothing(clock: VehicleClock, told: str) -> None:
+    check = StampCheck(clock)
+    came = check.admit(Arrival(arrival(0).image, 0.2, stamped=False, odd_stamp=told))
+    assert came.image.stamp_us == 199_950_000

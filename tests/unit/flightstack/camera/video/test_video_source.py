@@ -110,7 +110,7 @@ def test_rtsp_is_read_in_its_own_time() -> None:
     grown = np.diff([width(arrival.image.rgb) for arrival in arrivals]) % SIZE_PX
     assert np.median(grown) == 1
     late_s = [a.received_s - sender.sent_s[width(a.image.rgb)] for a in arrivals]
-    assert np.median(late_s) < 0.09  # a period more than over bare RTP
+    assert np.median(late_s) < 0.2  # FFmpeg waits for one further picture
     steps_s = np.diff([a.taken_s for a in arrivals if a.taken_s is not None])
     assert np.median(steps_s) == pytest.approx(1 / RATE_HZ, abs=0.005)
 

@@ -20,7 +20,7 @@ class Asked:
         self.made = MadeLink(folder)
         self.session = VehicleSession(self.made.link, 3.0)
         self.made.say(heartbeat())
-        self.made.say(common.MAVLink_attitude_message(50_000, 0, 0, 0, 0, 0, 0))
+        self.made.say(common.MAVLink_attitude_message(57_000, 0, 0, 0, 0, 0, 0))
         self.session.receive()
 
     def questions(self) -> list[Any]:

@@ -99,6 +99,23 @@ def test_jpeg_for_those_who_ask(stream: CameraStream) -> None:
     viewer.socket.close()
 
 
+def test_who_only_watches_gets_all_images_and_is_waited_for_by_nobody(
+    stream: CameraStream,
+) -> None:
+    watcher = Viewer(stream, b"GET /stream?watch HTTP/1.1\r\n\r\n")
+    assert not stream.has_viewers
+    watcher.read_head()
+    stream.publish(make_image(0))
+    headers, _ = watcher.read_part()
+    assert headers["Content-Type"] == "image/png"
+    viewer = Viewer(stream)
+    assert stream.has_viewers
+    viewer.socket.close()
+    stream.serve(1.0)
+    assert not stream.has_viewers
+    watcher.socket.close()
+
+
 def test_only_streams_make_viewers(stream: CameraStream) -> None:
     page = Viewer(stream, b"GET / HTTP/1.0\r\n\r\n")
     head = page.read_head()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flightstack.camera.video.stream_clock import StreamClock
+from flightstack.camera.stream_clock import StreamClock
 
 LEFT_S = 500.0  # our time of the first picture
 BEGAN_S = -37.0  # what the stream calls it

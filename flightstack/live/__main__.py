@@ -1,0 +1,5 @@
+"""Entry point: python -m flightstack.live."""
+
+from flightstack.live.cli import main
+
+raise SystemExit(main())

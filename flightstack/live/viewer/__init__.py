@@ -1,0 +1,1 @@
+"""The viewer in a browser: its files, its page, and the server of both."""
