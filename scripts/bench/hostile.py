@@ -27,8 +27,8 @@ from flightstack.launch.instances import free_instance  # noqa: E402
 from flightstack.launch.ports import Ports  # noqa: E402
 from flightstack.launch.processes import Pair, programs, started  # noqa: E402
 from flightstack.launch.request import FlightRequest  # noqa: E402
-from scripts.bench.hostile_datagrams import Generator  # noqa: E402
-from scripts.bench.hostile_sockets import VEHICLE_PORTS, Attack, Observer  # noqa: E402
+from scripts.bench.attacks.hostile_datagrams import Generator  # noqa: E402
+from scripts.bench.attacks.hostile_sockets import VEHICLE_PORTS, Attack, Observer  # noqa: E402
 
 BATCH = 64
 OFFBOARD = 6 << 16

@@ -1,6 +1,7 @@
 """The front camera: a pinhole at the body's origin that looks along its nose and tilts with it."""
 
 import math
+from collections.abc import Sequence
 
 import cv2
 import numpy as np
@@ -12,6 +13,7 @@ from sitl.records.course import Gate
 from sitl.records.motion import Quaternion, Vector3
 from sitl.records.scenery import FIELD_OF_VIEW_DEG
 from sitl.sensors.camera.background import Background
+from sitl.sensors.camera.gate_window import GateWindow, Window
 from sitl.sensors.camera.look import Look
 from sitl.sensors.camera.texture_files import readable
 
@@ -38,6 +40,8 @@ class Camera:
         self._projection = pybullet.computeProjectionMatrixFOV(
             field_of_view_deg, 1.0, NEAR_M, FAR_M
         )
+        self._reach = math.tan(math.radians(field_of_view_deg) / 2.0)
+        self._window = GateWindow(size_px=self._fine, reach=self._reach, near_m=NEAR_M, far_m=FAR_M)
         self._background = Background(_pixel_rays(SIZE_PX, field_of_view_deg))
         fine_rays = _pixel_rays(self._fine, field_of_view_deg).reshape(3, self._fine, self._fine)
         self._fine_norms = np.linalg.norm(fine_rays, axis=0)
@@ -68,6 +72,7 @@ class Camera:
 
     def place_gates(self, gates: tuple[Gate, ...]) -> None:
         """Move the gates; their number and shapes are fixed when the camera is made."""
+        self._window.place_gates(gates)
         for (body, _), gate in zip(self._bodies, gates, strict=True):
             half = gate.yaw_rad / 2.0
             pybullet.resetBasePositionAndOrientation(
@@ -83,20 +88,25 @@ class Camera:
             rotate(q_ned_frd, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
         ]
         rotation = np.array(axes, dtype=np.float32).T
-        colours = self._background.draw(
-            rotation, np.array(position_ned, dtype=np.float32), self.look
-        )
-        *gates, coverage = cv2.split(self._draw_gates(position_ned, axes[0], axes[2]))
+        position = np.array(position_ned, dtype=np.float32)
+        colours = self._background.draw(rotation, position, self.look)
         planes = colours.reshape(3, SIZE_PX, SIZE_PX)  # a colour at a time: long rows are fast
-        planes *= 1.0 - coverage * np.float32(1.0 / 255.0)
-        planes += gates
+        window = self._window.look(position, rotation)
+        if window is not None:
+            drawn = self._draw_gates(position_ned, axes[0], axes[2], window)
+            *gates, coverage = cv2.split(drawn)
+            left, top, right, bottom = (edge // SUPERSAMPLING for edge in window)
+            inside = planes[:, top:bottom, left:right]
+            inside *= 1.0 - coverage * np.float32(1.0 / 255.0)
+            inside += gates
         rgb = cv2.merge(tuple(np.rint(planes).astype(np.uint8)))
         return np.asarray(rgb, dtype=np.uint8)
 
     def _draw_gates(
-        self, position_ned: Vector3, forward_ned: Vector3, down_ned: Vector3
+        self, position_ned: Vector3, forward_ned: Vector3, down_ned: Vector3, window: Window
     ) -> NDArray[np.uint8]:
-        """Colour times coverage, and coverage 0..255 of the gates: (H, W, 4)."""
+        """Colour times coverage, and coverage 0..255 of the gates, in a window: (h, w, 4)."""
+        width, height = window.right - window.left, window.bottom - window.top
         eye, forward, down = flip(position_ned), flip(forward_ned), flip(down_ned)
         view = pybullet.computeViewMatrix(
             eye,
@@ -104,10 +114,10 @@ class Camera:
             (-down[0], -down[1], -down[2]),
         )
         _, _, rgba, depth, _ = pybullet.getCameraImage(
-            self._fine,
-            self._fine,
+            width,
+            height,
             view,
-            self._projection,
+            self._project(window),
             lightDirection=self.look.light_nwu,
             lightAmbientCoeff=self.look.ambient,
             lightDiffuseCoeff=self.look.diffuse,
@@ -120,18 +130,36 @@ class Camera:
         pixels = rgba.view(np.uint32)  # one number per pixel: four times fewer to clear
         pixels *= (depth < 1.0)[..., None]  # where nothing was drawn
         if self.look.fog_m < math.inf:
-            self._veil(rgba, depth)
-        mean = cv2.resize(rgba, (SIZE_PX, SIZE_PX), interpolation=cv2.INTER_AREA)
-        return np.asarray(mean, dtype=np.uint8)
+            self._veil(rgba, depth, window)
+        size = width // SUPERSAMPLING, height // SUPERSAMPLING
+        mean = cv2.resize(rgba, size, interpolation=cv2.INTER_AREA)
+        return np.asarray(mean, dtype=np.uint8).reshape(size[1], size[0], 4)
 
-    def _veil(self, rgba: NDArray[np.uint8], depth: NDArray[np.float32]) -> None:
+    def _project(self, window: Window) -> Sequence[float]:
+        """Return the projection that leads to the same pixels, of a window alone."""
+        if window == self._window.whole:
+            return self._projection
+        per_px = 2.0 / self._fine
+        edge_m = NEAR_M * self._reach
+        matrix: Sequence[float] = pybullet.computeProjectionMatrix(
+            (window.left * per_px - 1.0) * edge_m,
+            (window.right * per_px - 1.0) * edge_m,
+            (1.0 - window.bottom * per_px) * edge_m,
+            (1.0 - window.top * per_px) * edge_m,
+            NEAR_M,
+            FAR_M,
+        )
+        return matrix
+
+    def _veil(self, rgba: NDArray[np.uint8], depth: NDArray[np.float32], window: Window) -> None:
         """Let the fog, which has the horizon's colour, cover gates the more the farther they are.
 
         `depth` is OpenGL's, 0 at NEAR_M to 1 at FAR_M, along the camera's axis.
         """
         drawn = depth < 1.0
         ahead_m = FAR_M * NEAR_M / (FAR_M - (FAR_M - NEAR_M) * depth[drawn])
-        clear = np.exp(-ahead_m * self._fine_norms[drawn] / self.look.fog_m)[:, None]
+        norms = self._fine_norms[window.top : window.bottom, window.left : window.right][drawn]
+        clear = np.exp(-ahead_m * norms / self.look.fog_m)[:, None]
         fog = 255.0 * np.array(self.look.sky_horizon)
         rgba[drawn, :3] = np.rint(fog + (rgba[drawn, :3] - fog) * clear)
 

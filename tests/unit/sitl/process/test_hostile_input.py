@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from scripts.bench.hostile_datagrams import Generator
+from scripts.bench.attacks.hostile_datagrams import Generator
 from sitl.flown_vehicle import SimulationConfig
 from sitl.mavlink.endpoint import Endpoint
 from sitl.mavlink.links.link import Guard

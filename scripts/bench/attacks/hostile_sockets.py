@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from scripts.bench.hostile_datagrams import Generator
+from scripts.bench.attacks.hostile_datagrams import Generator
 
 HOST = "127.0.0.1"
 VEHICLE_PORTS = (18570, 14580)  # + instance
