@@ -1,6 +1,7 @@
 """The command line: look at a flight live, or at a log; keep it as a file, or as a page."""
 
 import argparse
+import os
 import signal
 import sys
 import time
@@ -21,6 +22,8 @@ PROGRAM = "flightstack.live"
 DEFAULT_LINK = "udpin:127.0.0.1:14550"  # a ground station's port
 DEFAULT_DETECTOR, NO_DETECTOR = "strong/b0", "none"
 EXIT_INTERRUPTED = 130
+MAX_PORT = 65535
+RERUN_TELLS = ("RUST_LOG", "error")  # its warnings are for its developers
 
 
 def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
@@ -40,7 +43,7 @@ def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
     add("--ground-station", action="store_true", help="send heartbeats: the autopilot's texts, too")
     add("--save", type=Path, metavar="RRD", help="keep the recording")
     add("--html", type=Path, metavar="HTML", help="keep one page that opens offline")
-    add("--port", type=int, default=0, help="of the page, on this machine alone (default: any)")
+    add("--port", type=_port, default=0, help="of the page, on this machine alone (default: any)")
     add("--seconds", type=float, metavar="S", help="end after so long")
     return parser
 
@@ -58,11 +61,18 @@ def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
         return error.exit_code
 
 
+def _port(text: str) -> int:
+    if not text.isdecimal() or int(text) > MAX_PORT:
+        raise argparse.ArgumentTypeError(f"{text!r} is no port from 0 (any) to {MAX_PORT}")
+    return int(text)
+
+
 def _run(options: argparse.Namespace) -> int:
     from flightstack.live.viewer.files import viewer_files  # noqa: PLC0415  --help is at once
     from flightstack.live.viewer.server import ViewerServer  # noqa: PLC0415
     from flightstack.live.viewer.store import RecordingStore  # noqa: PLC0415
 
+    os.environ.setdefault(*RERUN_TELLS)
     drawing, store = _drawing(options), RecordingStore()
     if options.log is not None:
         _replay(options, drawing, store)
@@ -70,8 +80,7 @@ def _run(options: argparse.Namespace) -> int:
     try:
         if not kept_only:
             with ViewerServer(viewer_files(), store, options.port) as server:
-                _tell(f"live view: {server.address}  (Ctrl-C ends it)")
-                _show(options, drawing, store)
+                _show(options, drawing, store, server.address)
     finally:
         _keep(options, store)
     return 0
@@ -98,14 +107,18 @@ def _replay(options: argparse.Namespace, drawing: "FlightDrawing", store: "Recor
     _tell(f"{options.log}: {count} images" + ("" if count else f"; {folder} holds none"))
 
 
-def _show(options: argparse.Namespace, drawing: "FlightDrawing", store: "RecordingStore") -> None:
+def _show(
+    options: argparse.Namespace, drawing: "FlightDrawing", store: "RecordingStore", address: str
+) -> None:
     """Serve until the end; of a live flight, keep what comes, on the disk at once."""
     from flightstack.live.link import LiveLink  # noqa: PLC0415
     from flightstack.live.session import LiveSession  # noqa: PLC0415
     from flightstack.mavlink.endpoint import parse_endpoint  # noqa: PLC0415
 
+    running = f"live view: {address}  (Ctrl-C ends it)"
     ends_s = None if options.seconds is None else time.monotonic() + options.seconds
     if options.log is not None:
+        _tell(running)
         while ends_s is None or time.monotonic() < ends_s:
             time.sleep(0.2)
         return
@@ -115,27 +128,29 @@ def _show(options: argparse.Namespace, drawing: "FlightDrawing", store: "Recordi
         def keep(piece: bytes) -> None:
             store.add(piece)
             if file is not None:
-                file.write(piece)
+                _write(file, piece)
 
         link = LiveLink(parse_endpoint(options.connect), beats=options.ground_station)
+        _tell(running)
         try:
             LiveSession(link, drawing, options.camera, _tell).run(keep, ends_s)
         finally:
             store.end()
+            if file is not None:
+                _tell(f"wrote {options.save}")
 
 
 def _keep(options: argparse.Namespace, store: "RecordingStore") -> None:
     from flightstack.live.viewer.files import viewer_files  # noqa: PLC0415
     from flightstack.live.viewer.page import offline_page  # noqa: PLC0415
 
-    if options.save is not None:
-        if options.log is not None:
-            with _opened(options.save) as file:
-                file.write(store.read())
+    if options.save is not None and options.log is not None:
+        with _opened(options.save) as file:
+            _write(file, store.read())
         _tell(f"wrote {options.save}")
     if options.html is not None:
         with _opened(options.html) as file:
-            file.write(offline_page(viewer_files(), store.read()))
+            _write(file, offline_page(viewer_files(), store.read()))
         _tell(f"wrote {options.html}")
 
 
@@ -144,6 +159,14 @@ def _opened(path: Path) -> IO[bytes]:
         return path.open("wb")
     except OSError as error:
         raise UsageError(f"{path} cannot be written: {error.strerror}") from error
+
+
+def _write(file: IO[bytes], content: bytes) -> None:
+    try:
+        file.write(content)
+        file.flush()
+    except OSError as error:
+        raise UsageError(f"{file.name} cannot be written: {error.strerror}") from error
 
 
 def _tell(text: str) -> None:

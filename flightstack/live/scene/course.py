@@ -4,10 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.live.scene.recording import LiveRecording, lines
-from flightstack.live.scene.track import FollowedTrack, boot_us
+from flightstack.live.scene.track import FollowedTrack, boot_us, sound_decisions
 from flightstack.logs.columns.log import Log
 from flightstack.logs.flight.course import CourseGate, find_gates, gate_outline
-from flightstack.logs.flight.decisions import find_decisions
 
 PATH_PERIOD_US = 100_000
 PATH, FLOWN, COMMANDED, GATES = (90, 170, 255), (60, 120, 255), (255, 180, 40), (235, 110, 40)
@@ -36,7 +35,7 @@ class CourseDrawing:
         position, velocity = self._track.motion_at(times_us)
         self._draw_path(times_us, position)
         self._arrows("flown", times_us, position, velocity, FLOWN)
-        decisions = find_decisions(log)
+        decisions = sound_decisions(log)
         start, _ = self._track.motion_at(decisions.stamp_us)
         yaw = self._track.angles_at(decisions.stamp_us)[:, 2]
         commanded = _turned(decisions.command, yaw)

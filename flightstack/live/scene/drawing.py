@@ -1,5 +1,7 @@
 """Draw a flight, piece by piece, into one recording."""
 
+import numpy as np
+
 from flightstack.live.scene.blueprint import make_blueprint
 from flightstack.live.scene.course import CourseDrawing
 from flightstack.live.scene.recording import LiveRecording
@@ -22,13 +24,15 @@ class FlightDrawing:
 
     def draw(self, log: Log) -> None:
         """Draw the next packets."""
-        self.track.learn(log)
-        self._telemetry.draw(log)
-        self._course.draw(log)
+        with np.errstate(all="ignore"):  # what is said may be NaN, and worse
+            self.track.learn(log)
+            self._telemetry.draw(log)
+            self._course.draw(log)
 
     def draw_image(self, stamp_us: int, rgb: Rgb) -> None:
         """Draw the next image, (H, W, 3) RGB."""
-        self._sight.draw(stamp_us, rgb)
+        with np.errstate(all="ignore"):
+            self._sight.draw(stamp_us, rgb)
 
     def take(self) -> bytes:
         """Return what came since the last call: a piece of an .rrd file."""

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.live.scene.recording import LiveRecording
-from flightstack.live.scene.track import FollowedTrack, boot_us
+from flightstack.live.scene.track import FollowedTrack, boot_us, sound_decisions
 from flightstack.logs.columns.log import Log
-from flightstack.logs.flight.decisions import LINEAR, PARTS, Decisions, find_decisions
+from flightstack.logs.flight.decisions import LINEAR, PARTS, Decisions
 from flightstack.logs.flight.modes import mode_name
 from flightstack.logs.flight.texts import status_texts
 
@@ -35,7 +35,7 @@ class TelemetryDrawing:
     def draw(self, log: Log) -> None:
         """Draw a piece."""
         self._flown(log)
-        self._decided(find_decisions(log))
+        self._decided(sound_decisions(log))
         self._modes(log)
         for text in status_texts(log):
             at_us = int(self._track.vehicle_us(np.array([text.time_us]))[0])

@@ -1,15 +1,20 @@
 """Follow a vehicle's clock, place and attitude over the pieces of a log."""
 
+from dataclasses import fields, replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from flightstack.logs.columns.log import Log
 from flightstack.logs.columns.table import Table
+from flightstack.logs.flight.decisions import Decisions, find_decisions
 from flightstack.mavlink_numbers import AUTOPILOT_COMPONENT
 
 AUTOPILOT_INVALID = 8  # MAV_AUTOPILOT_INVALID: a companion, a camera, a ground station
 KEPT_ROWS = 2000  # of each message: 20 s at the fastest rate
 MILLISECOND = 1000  # us
+MAX_US = 2**32 * MILLISECOND  # MAVLink counts vehicle time in 32 bits of milliseconds
+REBOOT_US = 5_000_000  # a stamp further back than this is a new boot
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -67,13 +72,23 @@ def boot_us(table: Table) -> Numbers:
     return np.asarray(table["time_boot_ms"].astype(np.int64) * MILLISECOND)
 
 
+def sound_decisions(log: Log) -> Decisions:
+    """Return the decisions whose stamps can be vehicle time; whoever speaks may say anything."""
+    found = find_decisions(log)
+    rows = (found.stamp_us >= 0) & (found.stamp_us < MAX_US)
+    return replace(found, **{each.name: getattr(found, each.name)[rows] for each in fields(found)})
+
+
 def _joined(
     known: tuple[Numbers, Floats], table: Table, names: tuple[str, ...]
 ) -> tuple[Numbers, Floats]:
     if not len(table):
         return known
     values = np.stack([table[name] for name in names], axis=1).astype(np.float64)
-    times = np.concatenate([known[0], boot_us(table)])
+    new_us = boot_us(table)
+    if len(known[0]) and new_us[0] < known[0][-1] - REBOOT_US:
+        known = (known[0][:0], known[1][:0])  # the vehicle has restarted
+    times = np.concatenate([known[0], new_us])
     rows = np.vstack([known[1], values])
     if "yaw" in names:
         rows[:, -1] = np.unwrap(rows[:, -1])

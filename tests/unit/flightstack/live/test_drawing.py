@@ -1,10 +1,12 @@
 """What is drawn of a flight, read back from the recording by rerun itself."""
 
+import math
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+from pymavlink.dialects.v20 import all as mavlink
 
 from flightstack.live.link import Questions
 from flightstack.live.scene.track import FollowedTrack
@@ -12,7 +14,14 @@ from flightstack.live.watching import watched
 from flightstack.logs import read
 from flightstack.logs.columns.log import Log
 from flightstack.logs.flight.flight import Flight
-from tests.unit.flightstack.logs.made_flights import BOOT_US, GATES, make_flight
+from tests.unit.flightstack.logs.made_flights import (
+    BOOT_US,
+    GATES,
+    VEHICLE,
+    Recorder,
+    beat,
+    make_flight,
+)
 
 DRAWN = (
     *(f"/velocity/{axis}/{kind}" for axis in ("forward", "right", "down", "yaw_rate")
@@ -73,3 +82,25 @@ def test_what_is_not_known_is_asked_for_and_nothing_else(log: Log) -> None:
 def test_a_stream_is_asked_for_as_one_who_only_watches() -> None:
     assert watched("http://127.0.0.1:8090/stream") == "http://127.0.0.1:8090/stream?watch"
     assert watched("http://host/video?channel=2") == "http://host/video?channel=2"
+
+
+def test_nothing_that_is_said_ends_the_drawing(tmp_path: Path) -> None:
+    pytest.importorskip("rerun")
+    from flightstack.live.scene.drawing import FlightDrawing  # noqa: PLC0415
+
+    said = Recorder()
+    said.add(VEHICLE, beat(0, armed=True))
+    for value in (math.nan, math.inf, -3e38):
+        attitude = mavlink.MAVLink_attitude_message(2**32 - 1, *[value] * 6)
+        said.add(VEHICLE, attitude)
+        place = mavlink.MAVLink_local_position_ned_message(0, *[value] * 6)
+        said.add(VEHICLE, place)
+        for stamp_us in (2**64 - 1, 2**63, 0):
+            data = [value] * 58
+            said.add(191, mavlink.MAVLink_debug_float_array_message(stamp_us, b"decision", 0, data))
+    said.add(VEHICLE, mavlink.MAVLink_statustext_message(255, b"\xff\x1b[2J" * 10))
+    path = tmp_path / "hostile.tlog"
+    path.write_bytes(b"".join(said.parts))
+    drawing = FlightDrawing("hostile", None, None)
+    drawing.draw(read(path))
+    assert drawing.take()
