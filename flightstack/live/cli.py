@@ -1,6 +1,7 @@
 """The command line: look at a flight live, or at a log; keep it as a file, or as a page."""
 
 import argparse
+import signal
 import sys
 import time
 from collections.abc import Sequence
@@ -47,6 +48,7 @@ def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
 def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Show, and say where; errors are one line."""
     options = build_parser(program).parse_args(argv)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # what is to be kept is kept
     try:
         return _run(options)
     except KeyboardInterrupt:

@@ -16,6 +16,7 @@ from flightstack.mavlink_numbers import REFEREE_COMPONENT
 IMAGES = "[0-9]" * 12 + ".png"  # named by their stamp, us of vehicle time
 UNDECIDED = -1
 TOLD_MS = 1000  # us
+GAP = 1.75  # times the usual step: an image is missing
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -45,6 +46,13 @@ class SeenImages:
         right = np.cos(yaw) * east - np.sin(yaw) * north
         turning = np.gradient(yaw, self.stamp_us * 1e-6) if len(yaw) > 1 else np.zeros(len(yaw))
         return np.stack([forward, right, down, turning], axis=1)
+
+
+def rate_hz(stamp_us: Numbers) -> int:
+    """Return how many images a second there are, where none is missing; 1 of a single one."""
+    steps_us = np.diff(stamp_us)
+    whole = steps_us[steps_us < GAP * np.median(steps_us)] if len(steps_us) else steps_us
+    return max(round(1e6 / float(whole.mean())), 1) if len(whole) else 1
 
 
 def find_seen(flight: Flight, folder: Path | None = None) -> SeenImages:

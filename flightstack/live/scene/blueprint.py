@@ -36,7 +36,7 @@ def make_blueprint() -> Any:
             views.Vertical(*plots, doubts),
             column_shares=[2, 3, 3],
         ),
-        views.TimePanel(state="collapsed", timeline=TIMELINE),
+        views.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following"),
         views.SelectionPanel(state="hidden"),
         views.BlueprintPanel(state="hidden"),
         collapse_panels=True,

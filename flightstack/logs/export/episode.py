@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight.decisions import PARTS, VELOCITIES
 from flightstack.logs.flight.flight import Flight
-from flightstack.logs.seen import UNDECIDED, find_seen
+from flightstack.logs.seen import UNDECIDED, find_seen, rate_hz
 
 STATE = ("forward m/s", "right m/s", "down m/s", "yaw rate rad/s", "roll rad", "pitch rad")
 ACTION = VELOCITIES
@@ -33,8 +33,8 @@ class Episode:
 
     @property
     def rate_hz(self) -> int:
-        """About how many images a second there are."""
-        return max(round(1e6 / float(np.median(np.diff(self.stamp_us)))), 1)
+        """How many images a second there are."""
+        return rate_hz(self.stamp_us)
 
 
 def find_episode(flight: Flight) -> Episode:

@@ -4,17 +4,14 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from flightstack.libraries import load_library
 from flightstack.logs.errors import LogFileError
 from flightstack.logs.flight.flight import Flight
-from flightstack.logs.seen import SeenImages
+from flightstack.logs.seen import SeenImages, rate_hz
 from flightstack.logs.video.picture import HEIGHT, SIDE, FilmPictures
 
 CODEC, QUALITY = "libx264", "20"
 MICROSECOND = Fraction(1, 1_000_000)
-DEFAULT_RATE_HZ = 20
 
 
 def write_film(flight: Flight, seen: SeenImages, output: Path) -> None:
@@ -26,7 +23,7 @@ def write_film(flight: Flight, seen: SeenImages, output: Path) -> None:
         why = getattr(error, "strerror", None) or error
         raise LogFileError(f"{output} cannot be written: {why}; use -o") from error
     with container:
-        stream = container.add_stream(CODEC, rate=_rate_hz(seen), options={"crf": QUALITY})
+        stream = container.add_stream(CODEC, rate=rate_hz(seen.stamp_us), options={"crf": QUALITY})
         stream.width, stream.height, stream.pix_fmt = 2 * SIDE, HEIGHT, "yuv420p"
         stream.codec_context.time_base = MICROSECOND
         pictures = FilmPictures(flight, seen)
@@ -40,9 +37,3 @@ def write_film(flight: Flight, seen: SeenImages, output: Path) -> None:
 def _mux(container: Any, stream: Any, picture: Any) -> None:
     for packet in stream.encode(picture):
         container.mux(packet)
-
-
-def _rate_hz(seen: SeenImages) -> int:
-    """Return about how many images a second there are."""
-    steps_us = np.diff(seen.stamp_us)
-    return max(round(1e6 / float(np.median(steps_us))), 1) if len(steps_us) else DEFAULT_RATE_HZ

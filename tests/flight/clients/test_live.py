@@ -1,7 +1,9 @@
 """A viewer that only looks: the setpoints of a flight in lockstep are the same with it."""
 
 import contextlib
+import select
 import socket
+import time
 from pathlib import Path
 
 import pytest
@@ -13,12 +15,21 @@ from tests.flight.processes import FAST, process
 pytestmark = pytest.mark.flight
 FLIGHT_S = 3.0
 LIMIT_S = 60.0
+DRAWN = (b"/camera/image", b"/world/gates", b"/world/seen")
 
 
 def free_port() -> int:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
         return int(free.getsockname()[1])
+
+
+def wait_for(file: Path, content: bytes) -> None:
+    """Look again and again until a file that another process writes holds something."""
+    ends_s = time.monotonic() + LIMIT_S
+    while not file.is_file() or content not in file.read_bytes():
+        assert time.monotonic() < ends_s, f"{file} never held {content!r}"
+        select.select([], [], [], 0.05)
 
 
 def fly(folder: Path, *, watched: bool) -> list[bytes]:
@@ -30,16 +41,19 @@ def fly(folder: Path, *, watched: bool) -> list[bytes]:
     links = (f"--gcs-link={ground[0]}:{ground[1]}", f"--api-link={api[0]}:{api[1]}")
     live = (f"--connect=udpin:127.0.0.1:{ground[1]}", f"--save={folder / 'flight.rrd'}")
     with contextlib.ExitStack() as stack:
-        stack.enter_context(free_instance())
+        begin = stack.enter_context
+        begin(free_instance())
         if watched:
-            stack.enter_context(process("flightstack.live", *live, log=folder / "live.txt"))
-        stack.enter_context(process("sitl", *vehicle, *links, log=folder / "vehicle.txt"))
+            begin(process("flightstack.live", *live, log=folder / "live.txt"))
+            wait_for(folder / "live.txt", b"live view: http://127.0.0.1:")
+        begin(process("sitl", *vehicle, *links, log=folder / "vehicle.txt"))
         companion = (f"--connect=udpin:127.0.0.1:{api[1]}", f"--log={log}")
         options = (*companion, f"--duration={FLIGHT_S}", "--no-landing")
-        flown = stack.enter_context(
-            process("flightstack.companion", *options, log=folder / "companion.txt")
+        begin(process("flightstack.companion", *options, log=folder / "companion.txt")).wait(
+            LIMIT_S
         )
-        flown.wait(LIMIT_S)
+        for drawn in DRAWN if watched else ():
+            wait_for(folder / "flight.rrd", drawn)
     return read(log).payloads("SET_POSITION_TARGET_LOCAL_NED")
 
 

@@ -1,8 +1,15 @@
 """Lines for events; a live line only where there is a terminal."""
 
+from dataclasses import replace
 from io import StringIO
+from pathlib import Path
+
+import pytest
 
 from flightstack.companion.console import ERASE_LINE, Console
+from flightstack.companion.mission.records import MissionPhase
+from flightstack.companion.reporter import Reporter
+from tests.unit.flightstack.companion.made_flight import MadeFlight
 from tests.unit.flightstack.mavlink.made_link import Wall
 
 
@@ -59,3 +66,13 @@ def test_nothing_that_others_say_reaches_the_terminal_as_an_order() -> None:
         tell("vehicle: \x1b]0;owned\x07\r\n\x9b2J\u202e")
     assert all(line.isprintable() for line in stream.getvalue().removesuffix("\n").split("\n"))
     assert stream.getvalue().count("\n") == 3
+
+
+def test_the_live_line_goes_with_its_phase(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    flight, terminal = MadeFlight(tmp_path, monkeypatch), Terminal()
+    reporter = Reporter(Console(stream=terminal, wall_s=flight.made.wall))
+    status = flight.loop.status
+    reporter.report(status, flight.session)
+    assert " s" in terminal.getvalue().splitlines()[-1]  # the time flown, in a live line
+    reporter.report(replace(status, phase=MissionPhase.LANDING), flight.session)
+    assert terminal.getvalue().endswith(f"{ERASE_LINE}landing\n")

@@ -66,6 +66,7 @@ def test_flights_become_a_dataset_row_by_row(log: Path, tmp_path: Path) -> None:
     count = len(decisions)
     info = json.loads((folder / "meta" / "info.json").read_text())
     assert (info["total_episodes"], info["total_frames"]) == (2, 2 * count)
+    assert info["fps"] == 20  # of steps of 40 and 60 ms
     table = parquet.read_table(folder / "data" / "chunk-000" / "file-001.parquet")
     np.testing.assert_allclose(table["action"].to_pylist(), decisions.command, atol=1e-6)
     assert table["index"].to_pylist() == list(range(count, 2 * count))
