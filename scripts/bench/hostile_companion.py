@@ -35,7 +35,6 @@ from flightstack.launch.instances import free_instance  # noqa: E402
 from flightstack.launch.ports import Ports  # noqa: E402
 from flightstack.launch.processes import Pair, programs, started  # noqa: E402
 from flightstack.launch.request import FlightRequest  # noqa: E402
-from scripts.bench.hostile import resident_kb  # noqa: E402
 from scripts.bench.attacks.hostile_datagrams import Generator  # noqa: E402
 from scripts.bench.attacks.hostile_middle import (  # noqa: E402
     CameraMiddle,
@@ -45,6 +44,7 @@ from scripts.bench.attacks.hostile_middle import (  # noqa: E402
     undecodable,
 )
 from scripts.bench.attacks.hostile_sockets import Attack  # noqa: E402
+from scripts.bench.hostile import resident_kb  # noqa: E402
 
 CASES = ("strangers", "camera", "vehicle", "liar")
 HARMLESS = ("strangers", "camera")
