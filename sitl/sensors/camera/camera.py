@@ -138,7 +138,8 @@ class Camera:
     def _project(self, window: Window) -> Sequence[float]:
         """Return the projection that leads to the same pixels, of a window alone."""
         if window == self._window.whole:
-            return self._projection
+            whole: Sequence[float] = self._projection
+            return whole
         per_px = 2.0 / self._fine
         edge_m = NEAR_M * self._reach
         matrix: Sequence[float] = pybullet.computeProjectionMatrix(
