@@ -4,14 +4,16 @@ import base64
 import gzip
 import http.client
 import re
+import subprocess
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from flightstack.errors import LinkError
-from flightstack.live.viewer.files import ViewerFiles
+from flightstack.live.viewer.files import ViewerFiles, viewer_files
 from flightstack.live.viewer.page import OFFLINE, SERVED, offline_page, served_page
 from flightstack.live.viewer.server import ViewerServer
 from flightstack.live.viewer.store import RecordingStore
@@ -105,3 +107,22 @@ def test_the_offline_page_holds_everything_and_may_call_nobody() -> None:
         assert found
         assert gzip.decompress(base64.b64decode(found[1])) == content
     assert page.index('id="recording"') < page.index("async function start")
+
+
+def test_the_viewer_s_files_are_taken_once_and_leave_no_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("rerun")
+    started: list[subprocess.Popen[bytes]] = []
+
+    class Noted(subprocess.Popen[bytes]):
+        def __init__(self, *arguments: Any, **options: Any) -> None:
+            super().__init__(*arguments, **options)
+            started.append(self)
+
+    monkeypatch.setattr(subprocess, "Popen", Noted)
+    taken = viewer_files(tmp_path)
+    assert b"WebHandle" in taken.script
+    assert gzip.decompress(taken.wasm_gzip).startswith(b"\0asm")
+    assert viewer_files(tmp_path) == taken
+    assert [process.poll() is not None for process in started] == [True]
