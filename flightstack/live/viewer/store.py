@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Iterator
 
-MAX_BYTES = 1 << 30  # an hour and a half of the simulator's flights
+MAX_BYTES = 1 << 30  # some two hours of the simulator
 
 
 class RecordingStore:
