@@ -114,7 +114,7 @@ def draw_gate(axes: Axes, gate: Gate, track: Track) -> None:
     axes.plot(ends[:, 0], ends[:, 1], color=GATE, linewidth=4, solid_capstyle="butt")
     outward = np.array([east - track.centre_ned[1], north - track.centre_ned[0]])
     label = np.array([east, north]) + 1.7 * outward / np.linalg.norm(outward)
-    text = f"{gate.index}\n{-down:.1f} m"
+    text = f"{gate.index + 1}\n{-down:.1f} m"
     axes.text(
         label[0], label[1], text, ha="center", va="center", color=INK, fontsize=8, linespacing=0.95
     )

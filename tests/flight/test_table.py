@@ -155,8 +155,8 @@ def test_an_interrupted_table_resumes(alone: Path, tmp_path: Path) -> None:
         os.killpg(process.pid, signal.SIGINT)
         with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(timeout=0.3)
-            raise AssertionError("it ended before a second Ctrl-C")
-        os.killpg(process.pid, signal.SIGINT)  # of somebody impatient
+        if process.poll() is None:  # it lets the flights that are in the air land
+            os.killpg(process.pid, signal.SIGINT)  # of somebody impatient
         _, said = process.communicate(timeout=60.0)
         assert process.returncode == 130, said
     assert said.rstrip().endswith("interrupted")
