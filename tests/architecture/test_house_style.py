@@ -85,6 +85,16 @@ def test_documented_scripts_exist(document: str) -> None:
     assert not missing, missing
 
 
+def test_no_page_installs_what_no_index_has() -> None:
+    """The package is in a checkout or at an address, and not to be had by its name alone."""
+    by_name = re.compile(r"pip install[^\n]*'?flightstack(\[[^\]]*\])?'?(?! @)[`\s]")
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")]
+    said = [
+        f"{page.name}: {found[0]}" for page in pages for found in by_name.finditer(page.read_text())
+    ]
+    assert not said, said
+
+
 @pytest.mark.parametrize("document", ["README.md", "CONTRIBUTING.md", "docs/command-line.md"])
 def test_documented_modules_run(document: str) -> None:
     modules = set(
