@@ -48,6 +48,7 @@ class PictureAssembler:
         _, marker, sequence, stamp, source = HEADER.unpack_from(packet)
         if source != self._source:  # another stream, or the first
             self._source, self._sequence, self._ticks = source, None, None
+            self._is_whole, self._is_broken, self._lost_s = False, False, None
             self._units.clear()
         stamp_s = self._unwrap(stamp) * TICK_S
         if self._sequence is not None and sequence != (self._sequence + 1) % 65536:

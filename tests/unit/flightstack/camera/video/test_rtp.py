@@ -85,3 +85,18 @@ def test_any_bytes_are_survived(junk: list[bytes]) -> None:
     for datagram in junk:
         assembler.take(datagram)
         assembler.take(b"\x80\xe0" + datagram)
+    whole = [struct.pack(">BBHII", 0x80, 0xE0, n, n, 7) + b"\x65\x80\x01" for n in range(2)]
+    assert [assembler.take(packet) for packet in whole][-1] is not None
+
+
+def test_another_stream_begins_with_nothing_of_the_one_before() -> None:
+    def packets(source: int, numbers: list[int]) -> list[bytes]:
+        return [
+            struct.pack(">BBHII", 0x80, 0xE0, n, 4500 * n, source) + b"\x61\x80\x01"
+            for n in numbers
+        ]
+
+    assembler = PictureAssembler()
+    seen = [assembler.take(packet) for packet in packets(7, [900, 902])]
+    assert [picture is not None for picture in seen] == [True, False]  # one was lost
+    assert assembler.take(packets(8, [0])[0]) is not None
