@@ -3,14 +3,13 @@
 import contextlib
 import re
 import socket
-import threading
 from collections.abc import Callable
-from typing import Self
 
 import cv2
 import numpy as np
 
 from flightstack.arrays import Rgb
+from scripts.bench.between import Threaded
 
 HOST = "127.0.0.1"
 CAMERA_PORT = 8090  # + instance
@@ -21,27 +20,20 @@ NUMBER = re.compile(rb"X-Sequence: ([0-9]+)")
 Change = Callable[[int, bytes], bytes | None]  # number and part: what is sent; None: hang up
 
 
-class CameraProxy:
+class CameraProxy(Threaded):
     """Serves one client after the other; enter it as a context, then name the vehicle."""
 
     def __init__(self, change: Change) -> None:
+        super().__init__()
         self.connections = 0
         self.vehicle_instance: int | None = None
         self._change = change
         self._parts = 0
-        self._stop = threading.Event()
         self._server = socket.create_server((HOST, 0))
         self._server.settimeout(0.1)
         self.uri = f"http://{HOST}:{self._server.getsockname()[1]}/stream"
-        self._thread = threading.Thread(target=self._run, daemon=True)
 
-    def __enter__(self) -> Self:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stop.set()
-        self._thread.join(5)
+    def _close(self) -> None:
         self._server.close()
 
     def _run(self) -> None:

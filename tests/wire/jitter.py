@@ -4,44 +4,22 @@ import heapq
 import itertools
 import select
 import socket
-import threading
 import time
-from typing import Self
 
 import numpy as np
 
-from tests.wire.proxy import DATAGRAM_BYTES, open_socket
+from tests.wire.proxy import DATAGRAM_BYTES, Proxy
 
 
-class JitteringProxy:
+class JitteringProxy(Proxy):
     """Delay each datagram, either way, by a time drawn evenly from a range; they may overtake."""
 
     def __init__(self, companion_port: int, *, low_s: float, high_s: float, seed: int = 0) -> None:
+        super().__init__(companion_port)
         self._range_s = (low_s, high_s)
         self._rng = np.random.default_rng(seed)
-        self._companion = ("127.0.0.1", companion_port)
-        self._vehicle: tuple[str, int] | None = None
-        self._vehicle_side, self._companion_side = open_socket(), open_socket()
         self._due: list[tuple[float, int, socket.socket, bytes]] = []
         self._count = itertools.count()
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-
-    @property
-    def vehicle_port(self) -> int:
-        """Where the vehicle is to send."""
-        port: int = self._vehicle_side.getsockname()[1]
-        return port
-
-    def __enter__(self) -> Self:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stop.set()
-        self._thread.join(5)
-        self._vehicle_side.close()
-        self._companion_side.close()
 
     def _run(self) -> None:
         while not self._stop.is_set():

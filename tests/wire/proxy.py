@@ -2,9 +2,9 @@
 
 import select
 import socket
-import threading
 from collections.abc import Callable
-from typing import Self
+
+from scripts.bench.between import Threaded
 
 DATAGRAM_BYTES = 65535
 Hook = Callable[[bytes], list[bytes]]  # what is delivered where one datagram was sent
@@ -14,19 +14,18 @@ def unchanged(datagram: bytes) -> list[bytes]:
     return [datagram]
 
 
-class Proxy:
+class Proxy(Threaded):
     """Forward datagrams both ways on a thread of its own; enter it as a context."""
 
     def __init__(
         self, companion_port: int, *, to_vehicle: Hook = unchanged, to_companion: Hook = unchanged
     ) -> None:
+        super().__init__()
         self._hooks = (to_vehicle, to_companion)
         self._companion = ("127.0.0.1", companion_port)
         self._vehicle: tuple[str, int] | None = None
         self._vehicle_side = open_socket()
         self._companion_side = open_socket()
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
 
     @property
     def vehicle_port(self) -> int:
@@ -34,13 +33,7 @@ class Proxy:
         port: int = self._vehicle_side.getsockname()[1]
         return port
 
-    def __enter__(self) -> Self:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stop.set()
-        self._thread.join(5)
+    def _close(self) -> None:
         self._vehicle_side.close()
         self._companion_side.close()
 

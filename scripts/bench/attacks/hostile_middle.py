@@ -8,11 +8,10 @@ import struct
 import threading
 import zlib
 from collections.abc import Callable, Iterator
-from typing import Self
 
 from pymavlink.dialects.v20 import common
 
-from flightstack.mavlink.packets import identify, split_packets
+from scripts.bench.between import Threaded, told_modes
 from scripts.fuzz.packets import packet
 
 HOST = "127.0.0.1"
@@ -63,28 +62,16 @@ def odd_part(rng: random.Random, content: bytes) -> bytes:
     return head.encode() + content + IMAGE_END
 
 
-class Middle:
+class Middle(Threaded):
     """Forward on a thread of its own, and put in what `make` makes; enter it as a context."""
 
     def __init__(self, make: Maker, each: float, count: int) -> None:
+        super().__init__()
         self.sent = 0
         self.armed, self.mode = False, 0  # as the vehicle last said
         self.may_begin = threading.Event()
         self._make, self._each, self._count = make, each, count
         self._due = 0.0
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-
-    def __enter__(self) -> Self:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stop.set()
-        self._thread.join(5)
-
-    def _run(self) -> None:
-        raise NotImplementedError
 
     def _hostile(self) -> Iterator[bytes]:
         """Give as many as are due beside one thing that is forwarded."""
@@ -121,10 +108,8 @@ class LinkMiddle(Middle):
                         self._outer.sendto(self._inner.recv(DATAGRAM_BYTES), self._vehicle)
 
     def _note(self, data: bytes) -> None:
-        for each in split_packets(data)[0]:
-            if identify(each)[0::2] == (common.MAVLINK_MSG_ID_HEARTBEAT, 1):
-                self.mode = int.from_bytes(each[10:14], "little")
-                self.armed = bool(each[16] & common.MAV_MODE_FLAG_SAFETY_ARMED)
+        for self.mode, self.armed in told_modes(data):
+            continue
 
 
 class CameraMiddle(Middle):

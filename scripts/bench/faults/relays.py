@@ -7,14 +7,10 @@ import random
 import re
 import select
 import socket
-import threading
 import time
 from dataclasses import dataclass
-from typing import Self
 
-from pymavlink.dialects.v20 import common
-
-from flightstack.mavlink.packets import identify, split_packets
+from scripts.bench.between import Threaded, told_modes
 
 HOST = "127.0.0.1"
 DATAGRAM_BYTES = 65535
@@ -35,7 +31,7 @@ class Weather:
     out_until_s: float = 0.0  # nothing passes before this time (monotonic)
 
 
-class LinkRelay:
+class LinkRelay(Threaded):
     """Forwards datagrams under a weather; notes what the vehicle says of itself."""
 
     def __init__(self, companion_port: int, seed: int = 0) -> None:
@@ -49,16 +45,7 @@ class LinkRelay:
         self.port: int = self._outer.getsockname()[1]
         self._due: list[tuple[float, int, bool, bytes]] = []
         self._numbers = itertools.count()
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-
-    def __enter__(self) -> Self:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stop.set()
-        self._thread.join(5)
+        super().__init__()
 
     @property
     def phase(self) -> str:
@@ -100,15 +87,12 @@ class LinkRelay:
                     self._outer.sendto(data, self._vehicle)
 
     def _note(self, data: bytes) -> None:
-        for each in split_packets(data)[0]:
-            if identify(each)[0::2] == (common.MAVLINK_MSG_ID_HEARTBEAT, 1):
-                self.heard_s = time.monotonic()
-                self.mode = int.from_bytes(each[10:14], "little")
-                self.armed = bool(each[16] & common.MAV_MODE_FLAG_SAFETY_ARMED)
-                self.was_armed |= self.armed
+        for self.mode, self.armed in told_modes(data):
+            self.heard_s = time.monotonic()
+            self.was_armed |= self.armed
 
 
-class CameraRelay:
+class CameraRelay(Threaded):
     """Forwards a camera's stream, until `fault` says otherwise."""
 
     def __init__(self, camera_port: int) -> None:
@@ -117,16 +101,7 @@ class CameraRelay:
         self._server = socket.create_server((HOST, 0))
         self._server.settimeout(0.1)
         self.uri = f"http://{HOST}:{self._server.getsockname()[1]}/stream"
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-
-    def __enter__(self) -> Self:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stop.set()
-        self._thread.join(5)
+        super().__init__()
 
     def _run(self) -> None:
         with self._server:

@@ -16,6 +16,7 @@ from flightstack.camera.camera import Camera, open_camera
 from flightstack.camera.mailbox import Arrival
 from flightstack.clock import VehicleClock
 from flightstack.errors import LinkError, UsageError
+from scripts.bench.between import Threaded
 from sitl.process.streams.video import VideoSender
 from sitl.records.images import Image
 from tests.unit.flightstack.camera.video.rtsp_server import RtspServer
@@ -25,22 +26,15 @@ SIZE_PX, RATE_HZ = 64, 20
 WAIT_S = 10.0
 
 
-class CameraOnTheNet:
+class CameraOnTheNet(Threaded):
     """Sends a bar that grows, over RTP, until told to end."""
 
     def __init__(self, port: int) -> None:
+        super().__init__()
         self.sent_s: dict[int, float] = {}  # by the bar's width
         self._sender = VideoSender(("127.0.0.1", port), size_px=SIZE_PX, rate_hz=RATE_HZ)
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
 
-    def __enter__(self) -> "CameraOnTheNet":
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stop.set()
-        self._thread.join(5)
+    def _close(self) -> None:
         self._sender.close()
 
     def _run(self) -> None:
