@@ -2,16 +2,14 @@
 
 import argparse
 import importlib
-import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from flightstack.errors import FlightstackError
-from flightstack.printable import printable
+from flightstack.arguments.ending import run_command
+from flightstack.arguments.parser import OptionParser
 
 PROGRAM = "python -m flightstack.calibration"
-EXIT_INTERRUPTED = 130
 
 
 def _add_chessboard(parser: argparse.ArgumentParser) -> None:
@@ -56,22 +54,23 @@ COMMANDS = {
 }
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Run one command; returns the exit code."""
-    parser = argparse.ArgumentParser(prog=PROGRAM, description=__doc__)
+    options = build_parser(program).parse_args(arguments)
+
+    def run() -> None:
+        module = f"flightstack.calibration.commands.{options.command}"  # loads OpenCV
+        print(importlib.import_module(module).run(options))
+
+    return run_command(program, run)
+
+
+def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
+    """Describe the command line."""
+    parser = OptionParser(prog=program, description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, command in COMMANDS.items():
         command.add_options(
             commands.add_parser(name, help=command.about, description=command.about)
         )
-    options = parser.parse_args(arguments)
-    module = f"flightstack.calibration.commands.{options.command}"  # loads OpenCV
-    try:
-        print(importlib.import_module(module).run(options))
-    except FlightstackError as error:
-        print(f"{PROGRAM}: {printable(str(error))}", file=sys.stderr)
-        return error.exit_code
-    except KeyboardInterrupt:
-        print(f"{PROGRAM}: interrupted", file=sys.stderr)
-        return EXIT_INTERRUPTED
-    return 0
+    return parser

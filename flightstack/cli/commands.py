@@ -29,6 +29,9 @@ COMMANDS = {
     ),
     "logs": SubCommand("inspect MAVLink logs, and the vehicle's own", "flightstack.logs.cli"),
     "live": SubCommand("a flight in a browser, while it is flown or later", "flightstack.live.cli"),
+    "camera": SubCommand(
+        "get to know a camera: its lens, its latency", "flightstack.calibration.cli"
+    ),
     "train": SubCommand("make data, train, write models", "flightstack.training.commands.cli"),
     "evaluate": SubCommand("judge models, and policies of yours", "flightstack.evaluation.cli"),
     "completion": SubCommand(

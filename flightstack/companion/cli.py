@@ -2,15 +2,15 @@
 
 import argparse
 import math
-import sys
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from flightstack.arguments.ending import run_command
 from flightstack.arguments.parser import OptionParser
 from flightstack.companion.options.camera_options import add_camera_options, camera_settings
-from flightstack.errors import FlightstackError, UsageError
+from flightstack.errors import UsageError
 from flightstack.printable import printable
 
 if TYPE_CHECKING:
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 PROGRAM = "flightstack.companion"
 DEFAULT_PORT = "14540"  # PX4's port for companions
 DEFAULT_MODEL = "strong/m0"
-EXIT_INTERRUPTED = 130
 EPILOG = """connection strings: 14550, udpin:host:port, udpout:host:port, tcp:host:port,
 /dev/ttyACM0,921600, and MAVSDK's udpin://host:port, udpout://host:port, tcpout://host:port,
 serial:///dev/ttyACM0:57600.
@@ -98,14 +97,7 @@ def _add_limits(parser: argparse.ArgumentParser) -> None:
 def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Run the companion; returns the exit code."""
     arguments = build_parser(program).parse_args(argv)
-    try:
-        return _fly(arguments)
-    except FlightstackError as error:
-        print(f"{program}: {printable(str(error))}", file=sys.stderr)
-        return error.exit_code
-    except KeyboardInterrupt:
-        print(f"{program}: interrupted", file=sys.stderr)
-        return EXIT_INTERRUPTED
+    return run_command(program, lambda: _fly(arguments))
 
 
 def _fly(arguments: argparse.Namespace) -> int:

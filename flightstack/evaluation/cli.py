@@ -3,35 +3,29 @@
 import argparse
 import importlib
 import os
-import sys
 from collections.abc import Sequence
 from types import ModuleType
 
+from flightstack.arguments.ending import run_command
 from flightstack.arguments.options import sub_parsers
 from flightstack.arguments.parser import OptionParser
-from flightstack.errors import FlightstackError
 from flightstack.libraries import require
 
 PROGRAM = "python -m flightstack.evaluation"
 COMMANDS = ("ablation", "benchmark", "figures", "ladder", "offline", "table")
 LIBRARIES = ("pybullet", "joblib", "scipy", "matplotlib")
-EXIT_INTERRUPTED = 130
 
 
 def main(arguments: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Run one command; returns the exit code."""
     options = _parse(arguments, program)
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    try:
+
+    def run() -> None:
         require("evaluation", *LIBRARIES)
         _module(options.command).run(options)
-    except FlightstackError as error:
-        print(f"{program}: {error}", file=sys.stderr)
-        return error.exit_code
-    except KeyboardInterrupt:
-        print(f"{program}: interrupted", file=sys.stderr)
-        return EXIT_INTERRUPTED
-    return 0
+
+    return run_command(program, run)
 
 
 def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:

@@ -9,13 +9,12 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from flightstack.arguments.ending import run_command
 from flightstack.arguments.parser import OptionParser
-from flightstack.errors import FlightstackError
 from flightstack.libraries import require
 
 PROGRAM = "python -m flightstack.training"
 LIBRARIES = ("torch", "pybullet", "joblib", "onnx", "onnxscript", "safetensors", "scipy")
-EXIT_INTERRUPTED = 130
 TRAINED = Path("trained")  # never models/, whose weights come with flightstack
 
 
@@ -24,19 +23,15 @@ def main(arguments: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     options = build_parser(program).parse_args(arguments)
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
-    try:
+
+    def run() -> None:
         require("training", *LIBRARIES)
         # Here, not above: --help and a mistyped option must not wait for torch.
-        from flightstack.training.commands.steps import run  # noqa: PLC0415
+        from flightstack.training.commands import steps  # noqa: PLC0415
 
-        run(options)
-    except FlightstackError as error:
-        print(f"{program}: {error}", file=sys.stderr)
-        return error.exit_code
-    except KeyboardInterrupt:
-        print(f"{program}: interrupted; the same command goes on from here", file=sys.stderr)
-        return EXIT_INTERRUPTED
-    return 0
+        steps.run(options)
+
+    return run_command(program, run, interrupted="interrupted; the same command goes on from here")
 
 
 def build_parser(program: str = PROGRAM) -> argparse.ArgumentParser:
