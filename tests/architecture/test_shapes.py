@@ -49,4 +49,5 @@ def test_fields_of_a_record_that_disagree_are_refused() -> None:
 
 
 def test_nothing_is_checked_in_flight() -> None:
-    subprocess.run([sys.executable, "-c", IN_FLIGHT], cwd=ROOT, check=True)
+    done = subprocess.run([sys.executable, "-c", IN_FLIGHT], cwd=ROOT, check=False)
+    assert done.returncode == 0

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import pytest
 
@@ -88,6 +89,9 @@ def test_where_no_answer_comes_time_goes_on(simulator: Simulator) -> None:
         px4.fly(50)
         for _ in range(50):  # as one in OFFBOARD that is disarmed
             px4.await_sensors()
+        times_us = [each.time_usec for each in px4.sensors]
+    assert len(times_us) >= 150
+    assert {after - before for before, after in pairwise(times_us)} == {4000}
 
 
 def test_another_px4_goes_on_in_the_same_time(simulator: Simulator) -> None:

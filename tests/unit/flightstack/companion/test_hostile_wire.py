@@ -48,7 +48,10 @@ def test_no_packet_of_any_content_raises(flight: MadeFlight) -> None:
             flight.show(rng.randrange(2**42))
         flight.made.wall.now_s += 0.02
         flight.loop._turn()
-    flight.sent()
+    assert flight.sent()  # it still speaks, and hears
+    flight.made.say(common.MAVLink_extended_sys_state_message(0, common.MAV_LANDED_STATE_IN_AIR))
+    flight.turn(50)
+    assert flight.session.telemetry.landed is LandedState.IN_AIR
 
 
 @pytest.mark.parametrize("value", [5, 77, 255])

@@ -2,6 +2,7 @@
 
 import inspect
 import re
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,10 @@ PAGE = (DOCS / "gymnasium.md").read_text()
 
 def test_the_first_example_runs() -> None:
     block = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)[0]
-    exec(compile(block.replace("range(100)", "range(3)"), "gymnasium.md", "exec"), {})  # noqa: S102
+    names: dict[str, Any] = {}
+    exec(compile(block.replace("range(100)", "range(3)"), "gymnasium.md", "exec"), names)  # noqa: S102
+    assert names["env"].observation_space.contains(names["observation"])
+    assert np.isfinite(names["reward"])
 
 
 def test_ranges_and_limits_are_those_of_the_page() -> None:
